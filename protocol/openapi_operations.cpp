@@ -90,6 +90,15 @@ json one_of_beauty_and(std::vector<std::string> layers) {
 }
 json measured_layer(const ApiVocabulary& vocabulary) { return one_of_beauty_and(vocabulary.radiance_layers); }
 
+/// What requests say that may wait for a job (server/routes/job_wait.h).
+std::vector<std::pair<const char*, json>> waiting(const char* text) {
+    return {{"wait", with_text(in_range(typed("number", "seconds"), 0, 600), text)},
+            {"cancel_on_disconnect", flag("the job ends with a client that leaves while its request waits")}};
+}
+void add_waiting(Operation& operation, const char* text) {
+    for (auto& parameter : waiting(text)) operation.query.push_back(std::move(parameter));
+}
+
 std::vector<Operation> scene_operations() {
     const json point{{"type", "string"}, {"pattern", "^[^,]+,[^,]+,[^,]+$"}, {"description", "x,y,z in metres"}};
     const json scene_body{
@@ -169,9 +178,11 @@ std::vector<Operation> job_operations() {
          "/v1/jobs",
          "submitJob",
          "Queue a render job",
-         {{202, object("Job")}, {200, object("Estimate")}},
+         {{202, object("Job")}, {200, content(kJson, {{"anyOf", {schema_ref("Job"), schema_ref("Estimate")}}})}},
          object("JobRequest"),
-         {{"dry_run", flag("only estimate: 200, nothing is queued")}},
+         {{"dry_run", flag("only estimate: 200, nothing is queued")},
+          waiting("for so long at the most, for the job to be over: 200 then, else 202")[0],
+          waiting("")[1]},
          {{"Idempotency-Key", "the same key and body give the same job"}}},
         {"get",
          "/v1/jobs",
@@ -192,7 +203,24 @@ std::vector<Operation> job_operations() {
           {"limit", page_size()},
           {"cursor", word()},
           {"offset", count("jobs to skip after the cursor")}}},
-        {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
+        {"get",
+         "/v1/jobs/{id}",
+         "getJob",
+         "One job",
+         {{200, object("Job")}},
+         nullptr,
+         waiting("for so long at the most, for the job to be over")},
+        {"post",
+         "/v1/render",
+         "render",
+         "A render job and its image in one request: waits for the job, and answers with what Accept asks for; 202 and "
+         "the job where it takes longer. A form may bring the scene along: its files, and the job as its field `job`",
+         {{200, json{{"image/png", binary()}, {"image/x-exr", binary()}, {kJson, {{"schema", schema_ref("Job")}}}}},
+          {202, object("Job")}},
+         json{{kJson, {{"schema", schema_ref("JobRequest")}}}, {"multipart/form-data", binary()}},
+         waiting("for so long at the most; 60 where not given"),
+         {{"Idempotency-Key", "the same key and body give the same job"},
+          {"Accept", "image/png (where not given), image/x-exr or application/json"}}},
         {"delete",
          "/v1/jobs/{id}",
          "cancelJob",
@@ -319,6 +347,11 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
                        operation_id(artefact.name),
                        "The " + artefact.text + " that the method kept",
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
+    for (Operation& operation : all)
+        if (operation.path.starts_with("/v1/jobs/"))
+            add_waiting(operation,
+                        "for so long at the most, for the job to be over: 503 where it is not; without, what "
+                        "there is so far");
     return all;
 }
 

@@ -12,11 +12,19 @@
 
 namespace photond {
 
-EventHub::EventHub() : wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (wake_fd_ < 0) throw Error(ErrorCode::Internal, std::string("eventfd: ") + std::strerror(errno));
+EventHub::EventHub() = default;
+
+EventHub::~EventHub() {
+    for (const int file : wake_fds_) close(file);
 }
 
-EventHub::~EventHub() { close(wake_fd_); }
+int EventHub::make_wake_fd() {
+    const int file = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (file < 0) throw Error(ErrorCode::Internal, std::string("eventfd: ") + std::strerror(errno));
+    const std::lock_guard lock(mutex_);
+    wake_fds_.push_back(file);
+    return file;
+}
 
 void EventHub::open(uint64_t next_id, History history) {
     const std::lock_guard lock(mutex_);
@@ -33,8 +41,10 @@ uint64_t EventHub::next_id() const {
 uint64_t EventHub::last_id() const { return next_id() - 1; }
 
 void EventHub::publish(Event event) {
+    std::vector<int> wakes;
     {
         const std::lock_guard lock(mutex_);
+        wakes = wake_fds_;
         assert(event.id == next_id_ && "ids are given out in order, one at a time");
         ++next_id_;
         recent_.push_back(std::move(event));
@@ -45,7 +55,7 @@ void EventHub::publish(Event event) {
     }
     const uint64_t one = 1;
     // A full counter means that the reader has been woken already.
-    [[maybe_unused]] const ssize_t written = write(wake_fd_, &one, sizeof one);
+    for (const int file : wakes) [[maybe_unused]] const ssize_t written = write(file, &one, sizeof one);
 }
 
 std::vector<Event> EventHub::after(uint64_t id, const std::string& job, size_t limit) const {

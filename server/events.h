@@ -33,9 +33,9 @@ public:
     /// The greatest id given out.
     uint64_t last_id() const;
 
-    /// An eventfd (non-blocking, close-on-exec) that becomes readable with every new event, for the one thread that
-    /// serves event streams: poll it, read it, then ask after(). Owned by the hub.
-    int wake_fd() const { return wake_fd_; }
+    /// An eventfd (non-blocking, close-on-exec) that becomes readable with every new event, for one thread: poll it,
+    /// read it, then ask after(). Another one each time; owned by the hub, and asked for before events are published.
+    int make_wake_fd();
 
     // --- the service's side
     // -------------------------------------------------------------------------------------------
@@ -55,7 +55,7 @@ private:
     uint64_t next_id_ = 1;
     uint64_t memory_from_ = 1;  // every event with this id or a greater one is in recent_
     History history_;
-    int wake_fd_ = -1;
+    std::vector<int> wake_fds_;
 };
 
 }  // namespace photond

@@ -103,7 +103,9 @@ void AnswerPool::run() {
             exchange.refusal.emplace(too_many_waiting());
             answerer.answer(exchange, !connection.close_after);
         }
-        if (exchange.client_gone) {
+        if (exchange.awaits) {
+            callbacks_.awaits_job(std::move(taken->item.connection));
+        } else if (exchange.client_gone) {
             taken->item.connection.reset();
             callbacks_.gone();
         } else {

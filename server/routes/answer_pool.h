@@ -34,6 +34,8 @@ struct LaneCallbacks {
     /// Gets a connection that needs a helper, unanswered. False, and the connection left where it is, when there is no
     /// room for it. Asked where the lane does not wait for a helper.
     std::function<bool(std::unique_ptr<Connection>&)> needs_helper;
+    /// Gets a connection whose request waits for a job, unanswered.
+    std::function<void(std::unique_ptr<Connection>)> awaits_job;
 };
 
 class AnswerPool {

@@ -70,6 +70,9 @@ Reply reply_of(Exchange& exchange) {
     } catch (const ClientGone&) {
         exchange.client_gone = true;
         return {};
+    } catch (AwaitJob& job) {
+        exchange.awaits = std::move(job);
+        return {};
     } catch (const NeedsHelper&) {
         exchange.needs_helper = true;
         return {};

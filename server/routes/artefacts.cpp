@@ -1,17 +1,34 @@
 #include "renderer/methods/registry.h"
 #include "server/routes/file_reply.h"
+#include "server/routes/job_wait.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
+#include "server/try_later.h"
 
 namespace photond::http {
+namespace {
+
+/// Where a request says how long it waits, its answer is of a job that is over, or none.
+void wait_until_over(Service& service, const Call& call, const JobWait& wait) {
+    if (!wait.seconds) return;
+    const nlohmann::json job = wait_for_job(service, call, call.path_parameters[0], wait);
+    if (!says_that_it_is_over(job))
+        throw TryLater(job.at("id").get<std::string>() + " is " + job.at("state").get<std::string>() +
+                           " still: the request's wait is over",
+                       1);
+}
+
+}  // namespace
 
 void add_artefact_routes(std::vector<Route>& routes, Service& service) {
-    const auto add = [&routes](const std::string& file, Lane lane, std::function<Artefact(Call&, Query&)> make) {
+    const auto add = [&routes, &service](const std::string& file, Lane lane,
+                                         std::function<Artefact(Call&, Query&)> make) {
         routes.push_back({.method = "GET",
                           .pattern = "/v1/jobs/{id}/" + file,
                           .lane = lane,
-                          .handle = [make = std::move(make)](Call& call) {
+                          .handle = [&service, make = std::move(make)](Call& call) {
                               Query query(call.query);
+                              wait_until_over(service, call, JobWait::read(query));
                               return file_reply(call, make(call, query));
                           }});
     };

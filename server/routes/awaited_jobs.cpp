@@ -15,7 +15,7 @@ namespace photond::http {
 
 namespace {
 
-constexpr size_t kPage = 256;  // events at once
+constexpr size_t kEventsAtOnce = 256;  // events at once
 
 /// Whether an event says that its job is over.
 bool ends_job(const Event& event) {
@@ -113,12 +113,12 @@ void AwaitedJobs::take_inbox() {
         connection->exchange->memory.reset();
         const AwaitJob& awaits = *(held_[socket] = std::move(connection))->exchange->awaits;
         for (uint64_t after = awaits.after_event;;) {
-            const std::vector<Event> page = events_.after(after, awaits.job, kPage);
+            const std::vector<Event> page = events_.after(after, awaits.job, kEventsAtOnce);
             if (std::any_of(page.begin(), page.end(), ends_job)) {
                 begin_anew(socket);
                 break;
             }
-            if (page.size() < kPage) break;
+            if (page.size() < kEventsAtOnce) break;
             after = page.back().id;
         }
     }
@@ -126,7 +126,7 @@ void AwaitedJobs::take_inbox() {
 
 void AwaitedJobs::see_new_events() {
     for (;;) {
-        const std::vector<Event> page = events_.after(seen_, "", kPage);
+        const std::vector<Event> page = events_.after(seen_, "", kEventsAtOnce);
         if (page.empty()) return;
         seen_ = page.back().id;
         for (const Event& event : page) {

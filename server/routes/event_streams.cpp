@@ -46,14 +46,15 @@ EventStreams::EventStreams(EventHub& events, std::function<void(int)> clients_ch
       clients_changed_(std::move(clients_changed)),
       status_(std::move(status)),
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
-      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      news_(events.make_wake_fd()) {
     if (!epoll_ || !wake_) throw std::system_error(errno, std::generic_category(), "epoll");
 }
 
 EventStreams::~EventStreams() { stop(); }
 
 void EventStreams::start() {
-    for (const int file : {wake_.get(), events_.wake_fd()}) {
+    for (const int file : {wake_.get(), news_}) {
         epoll_event event{};
         event.events = EPOLLIN;
         event.data.fd = file;
@@ -91,9 +92,9 @@ void EventStreams::run() {
             const epoll_event& event = ready[static_cast<size_t>(i)];
             const int file = event.data.fd;
             uint64_t count = 0;
-            if (file == wake_.get() || file == events_.wake_fd()) {
+            if (file == wake_.get() || file == news_) {
                 (void)!read(file, &count, sizeof count);
-                news = news || file == events_.wake_fd();
+                news = news || file == news_;
                 continue;
             }
             const auto found = streams_.find(file);

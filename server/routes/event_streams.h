@@ -53,6 +53,7 @@ private:
     const std::function<void(int)> clients_changed_;
     const std::function<nlohmann::json()> status_;
     FileDescriptor epoll_, wake_;
+    const int news_;  // EventHub::make_wake_fd()
     std::unordered_map<int, std::unique_ptr<Stream>> streams_;
     uint64_t spread_ = 0;  // every event up to this id has been given to the streams that were up to date
     std::mutex mutex_;

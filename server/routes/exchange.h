@@ -95,6 +95,21 @@ struct Reply {
     std::optional<EventSubscription> events;
 };
 
+/// Thrown by a handler in place of waiting for a job: its request begins anew, with Call::awaited, once the job is over
+/// or the time is. Meanwhile it holds no thread (awaited_jobs.h).
+struct AwaitJob {
+    std::string job;
+    uint64_t after_event = 0;  // the greatest event id before the job was seen not to be over
+    Clock::time_point until{};
+    std::function<void()> client_left;  // called where the client goes before that; may be empty
+};
+
+/// What a request that begins anew has waited for.
+struct Awaited {
+    std::string job;
+    Clock::time_point until{};
+};
+
 /// What a route's handler sees of its request.
 struct Call {
     RequestHead head;
@@ -104,6 +119,7 @@ struct Call {
     std::string body;                               // JSON routes
     Spool spool;                                    // upload routes
     std::optional<Grant> grant;                     // none without authentication
+    std::optional<Awaited> awaited;                 // none at first
     /// Asked before each piece of a long answer is kept: throws ClientGone, and TryLater where the answer takes too
     /// long or finds no room in memory.
     std::function<void(uint64_t bytes)> before_piece;
@@ -138,6 +154,7 @@ struct Route {
     std::string pattern;  // "/v1/jobs/{id}"
     BodyKind body = BodyKind::None;
     Lane lane = Lane::Quick;
+    std::optional<Lane> lane_of_json;      // of an upload that is JSON, where that is another
     bool open = false;                     // needs no token
     std::vector<std::string> media_types;  // of an upload
     std::function<Reply(Call&)> handle;    // throws Error
@@ -178,10 +195,11 @@ struct Exchange {
     std::optional<AnswerMemory::Share> memory;  // of what a lane's threads answer; none for what the hub says itself
 
     // Filled by Answerer.
-    std::string wire;           // head and body as they go out
-    Reply reply;                // its pieces, its file and its event subscription are still to be served
-    bool client_gone = false;   // nothing was made
-    bool needs_helper = false;  // nothing was made: a thread that may wait for a helper is to answer it
+    std::string wire;                // head and body as they go out
+    Reply reply;                     // its pieces, its file and its event subscription are still to be served
+    bool client_gone = false;        // nothing was made
+    bool needs_helper = false;       // nothing was made: a thread that may wait for a helper is to answer it
+    std::optional<AwaitJob> awaits;  // nothing was made: it is to be answered when that is over
 };
 
 Reply json_reply(int status, const nlohmann::json& body);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/routes/answer_pool.h"
+#include "server/routes/awaited_jobs.h"
 #include "server/routes/event_streams.h"
 #include "server/routes/hub.h"
 #include "server/routes/judge.h"
@@ -32,6 +33,7 @@ std::vector<http::Route> all_routes(Service& service) {
     http::add_scene_routes(routes, service);
     http::add_job_routes(routes, service);
     http::add_artefact_routes(routes, service);
+    http::add_render_routes(routes, service);
     http::add_comparison_routes(routes, service);
     http::add_sequence_routes(routes, service);
     http::add_image_routes(routes, service);
@@ -108,6 +110,9 @@ struct HttpServer::Impl {
           streams(
               service.events(), [this](int delta) { service.metrics().event_clients(delta); },
               [this] { return service.status(); }),
+          awaited(service.events(), {.again = [this](auto& connection) { return helper.submit(connection); },
+                                     .answered = [this](auto connection) { hub.answered(std::move(connection)); },
+                                     .gone = [this] { service.metrics().http_client_gone(); }}),
           hub(hub_settings(service.options()), callbacks(), std::move(listener)),
           quick(kQuick, lane_callbacks()),
           list(kList, lane_callbacks()),
@@ -137,11 +142,13 @@ struct HttpServer::Impl {
     http::LaneCallbacks lane_callbacks() {
         return {.done = [this](auto connection) { hub.answered(std::move(connection)); },
                 .gone = [this] { service.metrics().http_client_gone(); },
-                .needs_helper = [this](auto& connection) { return helper.submit(connection); }};
+                .needs_helper = [this](auto& connection) { return helper.submit(connection); },
+                .awaits_job = [this](auto connection) { awaited.hold(std::move(connection)); }};
     }
     http::AnswerPool& lane_of(const http::Exchange& exchange) {
         const http::Route& route = *exchange.route;
-        switch (route.lane) {
+        const bool json = route.lane_of_json && exchange.call.head.media_type() == "application/json";
+        switch (json ? *route.lane_of_json : route.lane) {
             case http::Lane::List: return list;
             case http::Lane::Long: return long_lane;
             case http::Lane::Helper: return helper;
@@ -157,6 +164,7 @@ struct HttpServer::Impl {
     http::Judge judge;
     http::AnswerMemory memory{service.options().limits.answer_memory_bytes};
     http::EventStreams streams;
+    http::AwaitedJobs awaited;
     http::Hub hub;
     http::AnswerPool quick, list, long_lane, helper, bulk;
     bool running = false;
@@ -169,6 +177,7 @@ HttpServer::~HttpServer() { stop(0); }
 
 void HttpServer::start() {
     impl_->streams.start();
+    impl_->awaited.start();
     impl_->hub.start();
     impl_->running = true;
 }
@@ -182,10 +191,12 @@ std::string HttpServer::url() const {
 void HttpServer::stop(double grace_seconds) {
     if (!impl_->running) return;
     impl_->running = false;
+    impl_->awaited.let_go();
     impl_->hub.drain(grace_seconds);
     for (http::AnswerPool* pool : {&impl_->quick, &impl_->list, &impl_->long_lane, &impl_->helper, &impl_->bulk})
         pool->stop();
     impl_->hub.stop();
+    impl_->awaited.stop();
     impl_->streams.stop();
 }
 

@@ -5,6 +5,7 @@
 #include "protocol/strict_json.h"
 #include "server/routes/event_streams.h"
 #include "server/routes/idempotency.h"
+#include "server/routes/job_wait.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
 
@@ -17,14 +18,31 @@ Reply job_reply(int status, const nlohmann::json& job) {
     return reply;
 }
 
+/// 200 with a job that is over, else 202.
+Reply awaited_reply(Service& service, const Call& call, const std::string& id, const JobWait& wait) {
+    const nlohmann::json job = wait_for_job(service, call, id, wait);
+    return job_reply(says_that_it_is_over(job) ? 200 : 202, job);
+}
+
 Reply submit_job(Service& service, Call& call) {
     Query query(call.query);
     const bool dry_run = query.flag("dry_run");
+    const JobWait wait = JobWait::read(query);
     query.finish();
+    if (call.awaited) return awaited_reply(service, call, call.awaited->job, wait);
     const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());
     const std::optional<std::string> key = idempotency_key(call);
     if (dry_run) return json_reply(200, service.estimate_job(request));  // a key binds to what is queued: not to this
-    return job_reply(202, service.submit_job(request, key, naming_json(request).dump()));
+    const nlohmann::json job = service.submit_job(request, key, naming_json(request).dump());
+    if (wait.seconds) return awaited_reply(service, call, job.at("id"), wait);
+    return job_reply(202, job);
+}
+
+Reply get_job(Service& service, Call& call) {
+    Query query(call.query);
+    const JobWait wait = JobWait::read(query);
+    query.finish();
+    return json_reply(200, wait_for_job(service, call, call.path_parameters[0], wait));
 }
 
 Reply list_jobs(Service& service, Call& call) {
@@ -111,8 +129,7 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
                           return list_jobs(service, call);
                       }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
-                          Query(call.query).finish();
-                          return json_reply(200, service.get_job(call.path_parameters[0]));
+                          return get_job(service, call);
                       }});
     routes.push_back({.method = "DELETE", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
                           return remove_job(service, call);

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kWindowBytes = 256 << 10;
 constexpr size_t kMaxPartHeadBytes = 8 << 10;
 constexpr size_t kMaxFiles = 4096;
-constexpr size_t kMaxFieldBytes = 256;
+constexpr size_t kMaxNameBytes = 256;
 
 [[noreturn]] void malformed(const std::string& what) {
     throw Error(ErrorCode::BadRequest, "the multipart body is malformed: " + what);
@@ -120,6 +120,12 @@ void read_part_body(Reader& reader, const std::string& delimiter, Sink&& sink) {
     }
 }
 
+std::string quoted_list(const std::map<std::string, size_t>& names) {
+    std::string list;
+    for (const auto& [name, bytes] : names) list += (list.empty() ? "\"" : " or \"") + name + "\"";
+    return list;
+}
+
 FileDescriptor create_file(const std::filesystem::path& folder, const std::string& name) {
     check_relative_path(name);
     const std::filesystem::path path = folder / name;
@@ -164,9 +170,11 @@ void check_relative_path(const std::string& name) {
 }
 
 UploadedForm unpack_form(const std::filesystem::path& body, const std::string& boundary,
-                         const std::filesystem::path& folder) {
+                         const std::filesystem::path& folder, const std::map<std::string, size_t>& fields) {
     Reader reader(body);
     UploadedForm form;
+    std::map<std::string, size_t> known = fields;
+    known.emplace("name", kMaxNameBytes);
     const std::string delimiter = "\r\n--" + boundary;
     reader.window() = "\r\n";                                       // so that the first boundary looks like all others
     read_part_body(reader, delimiter, [](const char*, size_t) {});  // a preamble means nothing
@@ -179,7 +187,12 @@ UploadedForm unpack_form(const std::filesystem::path& body, const std::string& b
         if (!window.starts_with("\r\n")) malformed("a boundary is followed by other text");
         window.erase(0, 2);
         const PartHead head = read_part_head(reader);
-        if (head.file_name) {
+        const auto field = known.find(head.field);
+        if (field == known.end() && !head.file_name)
+            throw Error(
+                ErrorCode::UnknownField, "/" + head.field.substr(0, 64),
+                "the form's field \"" + head.field.substr(0, 64) + "\" is neither a file nor " + quoted_list(known));
+        if (field == known.end() || (head.file_name && !fields.contains(head.field))) {
             if (++form.files > kMaxFiles)
                 throw Error(ErrorCode::OutOfRange, "more than " + std::to_string(kMaxFiles) + " files in one upload");
             const FileDescriptor file = create_file(folder, *head.file_name);
@@ -187,17 +200,14 @@ UploadedForm unpack_form(const std::filesystem::path& body, const std::string& b
                            [&](const char* data, size_t size) { write_all(file.get(), data, size); });
             continue;
         }
-        if (head.field != "name")
-            throw Error(ErrorCode::UnknownField, "/" + head.field.substr(0, 64),
-                        "the form's field \"" + head.field.substr(0, 64) + "\" is neither a file nor \"name\"");
-        std::string value;
+        std::string& value = form.fields[head.field];
+        value.clear();
         read_part_body(reader, delimiter, [&](const char* data, size_t size) {
-            if (value.size() + size > kMaxFieldBytes)
-                throw Error(ErrorCode::OutOfRange, "/name",
-                            "name has more than " + std::to_string(kMaxFieldBytes) + " bytes");
+            if (value.size() + size > field->second)
+                throw Error(ErrorCode::OutOfRange, "/" + head.field,
+                            head.field + " has more than " + std::to_string(field->second) + " bytes");
             value.append(data, size);
         });
-        form.name = value;
     }
     return form;
 }

@@ -12,6 +12,7 @@ namespace photond::http {
 void add_scene_routes(std::vector<Route>& routes, Service& service);
 void add_job_routes(std::vector<Route>& routes, Service& service);
 void add_artefact_routes(std::vector<Route>& routes, Service& service);
+void add_render_routes(std::vector<Route>& routes, Service& service);
 void add_comparison_routes(std::vector<Route>& routes, Service& service);
 void add_sequence_routes(std::vector<Route>& routes, Service& service);
 void add_image_routes(std::vector<Route>& routes, Service& service);

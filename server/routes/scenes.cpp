@@ -1,10 +1,8 @@
-#include <filesystem>
-
 #include "protocol/object_reader.h"
 #include "server/routes/file_reply.h"
-#include "server/routes/multipart.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
+#include "server/routes/uploaded_scene.h"
 
 namespace photond::http {
 namespace {
@@ -18,22 +16,12 @@ Reply post_scene(Service& service, Call& call) {
         upload.name = *header;
 
     const std::string type = call.head.media_type();
-    Spool folder;  // removed on every way out but success
-    if (type == "multipart/form-data") {
-        folder = Spool(service.make_spool_path());
-        std::filesystem::create_directory(folder.path());
-        const UploadedForm form =
-            unpack_form(call.spool.path(), multipart_boundary(*call.head.header("content-type")), folder.path());
-        if (form.files == 0) throw Error(ErrorCode::MissingField, "the form has no file");
-        if (upload.name.empty()) upload.name = form.name;
-        call.spool = {};  // frees its disk space before the scene is judged
-        upload.kind = SceneUpload::Kind::Directory;
-        upload.path = folder.release();
-    } else {
+    const Added added = [&] {
+        if (type == "multipart/form-data") return UploadedScene(service, call, {}).add(service, upload.name);
         upload.kind = type == "application/zip" ? SceneUpload::Kind::Zip : SceneUpload::Kind::Glb;
         upload.path = call.spool.release();
-    }
-    const Added added = service.add_scene(std::move(upload));
+        return service.add_scene(std::move(upload));
+    }();
     Reply reply = json_reply(added.created ? 201 : 200, added.object);
     reply.headers["Location"] = "/v1/scenes/" + added.object.at("id").get<std::string>();
     return reply;

@@ -61,7 +61,7 @@ TEST(EventHub, AsksTheStoreForWhatMemoryNoLongerHolds) {
 TEST(EventHub, WakesItsReader) {
     EventHub hub;
     hub.open(1, {});
-    pollfd waiting{hub.wake_fd(), POLLIN, 0};
+    pollfd waiting{hub.make_wake_fd(), POLLIN, 0};
     EXPECT_EQ(poll(&waiting, 1, 0), 0);
     publish(hub, "J1");
     publish(hub, "J1");

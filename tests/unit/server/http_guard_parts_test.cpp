@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 
+#include "server/routes/accept.h"
 #include "server/routes/file_reply.h"
 #include "server/routes/multipart.h"
 #include "server/routes/rate_limiter.h"
@@ -159,9 +160,9 @@ protected:
     }
     void TearDown() override { std::filesystem::remove_all(root_); }
 
-    UploadedForm unpack(const std::string& body) {
+    UploadedForm unpack(const std::string& body, const std::map<std::string, size_t>& fields = {}) {
         std::ofstream(root_ / "body", std::ios::binary) << body;
-        return unpack_form(root_ / "body", "B", root_ / "out");
+        return unpack_form(root_ / "body", "B", root_ / "out", fields);
     }
     static std::string part(const std::string& file_name, const std::string& content) {
         return "--B\r\nContent-Disposition: form-data; name=\"f\"; filename=\"" + file_name +
@@ -184,10 +185,38 @@ TEST_F(Multipart, WritesFilesByteForByte) {
     const UploadedForm form = unpack(part("a.gltf", "{}") + part("tex/deep/b.bin", bytes) + part("empty", "") +
                                      "--B\r\nContent-Disposition: form-data; name=name\r\n\r\nmy scene\r\n--B--\r\n");
     EXPECT_EQ(form.files, 3u);
-    EXPECT_EQ(form.name, "my scene");
+    EXPECT_EQ(form.fields.at("name"), "my scene");
     EXPECT_EQ(file("a.gltf"), "{}");
     EXPECT_EQ(file("tex/deep/b.bin"), bytes);
     EXPECT_EQ(file("empty"), "");
+}
+
+// A field that is asked for is one, whether it was typed or sent from a file.
+TEST_F(Multipart, ReadsTheFieldsThatItIsToldOf) {
+    const std::string typed = "--B\r\nContent-Disposition: form-data; name=job\r\n\r\n{}\r\n";
+    const std::string sent = "--B\r\nContent-Disposition: form-data; name=job; filename=a.json\r\n\r\n[1]\r\n--B--";
+    const UploadedForm form = unpack(part("a.glb", "x") + typed + sent, {{"job", 3}});
+    EXPECT_EQ(form.files, 1u);
+    EXPECT_EQ(form.fields.at("job"), "[1]");
+    EXPECT_EQ(code_of([&] { unpack(typed + sent, {{"job", 2}}); }), "out_of_range");
+    EXPECT_EQ(code_of([&] { unpack(typed + sent); }), "unknown_field");
+}
+
+std::string accepted(const std::string& accept) {
+    RequestHead head;
+    if (!accept.empty()) head.headers.emplace_back("accept", accept);
+    return accepted_type(head, {"image/png", "image/x-exr", "application/json"});
+}
+
+TEST(Accept, TakesWhatIsLikedBest) {
+    EXPECT_EQ(accepted(""), "image/png");
+    EXPECT_EQ(accepted("*/*"), "image/png");
+    EXPECT_EQ(accepted("image/x-exr"), "image/x-exr");
+    EXPECT_EQ(accepted("text/html, application/json;q=0.5"), "application/json");
+    EXPECT_EQ(accepted("image/*;q=0.3, image/x-exr ; q=0.4, application/json;q=0.35"), "image/x-exr");
+    EXPECT_EQ(accepted("*/*;q=0.1, image/png;q=0"), "image/x-exr") << "a name closer than the range refuses one";
+    for (const char* none : {"text/html", "image/webp, video/*", "image/png;q=0", "image", "*"})
+        EXPECT_EQ(code_of([&] { accepted(none); }), "not_acceptable") << none;
 }
 
 TEST_F(Multipart, RefusesNamesThatLeaveTheFolder) {
