@@ -4,7 +4,11 @@ moment alone, whatever the worker showed before.
 
 import json
 import struct
+import subprocess
+import sys
+import tempfile
 import unittest
+from pathlib import Path
 
 import tiny_scene
 from photond_daemon import DaemonTestCase, small_job
@@ -90,6 +94,22 @@ class MovingScenesTest(DaemonTestCase):
                 places = [fault["pointer"] for fault in problem["errors"]]
                 self.assertEqual(places, ["/time" if moment.get("time") == "soon" else "/animation"], problem)
                 self.assertIn(detail, json.dumps(problem["errors"], ensure_ascii=False).replace('\\"', '"'))
+
+    def test_a_figure_walks_below_a_lamp_that_were_added_to_a_scene(self):
+        tool = Path(__file__).resolve().parents[1] / "benchmarks" / "moving_sponza.py"
+        with tempfile.TemporaryDirectory() as folder:
+            before, after = Path(folder) / "before.glb", Path(folder) / "after.glb"
+            before.write_bytes(tiny_scene.glb(3))
+            subprocess.run([sys.executable, tool, before, after], check=True)
+            body = after.read_bytes()
+        answer = self.daemon.request("POST", "/v1/scenes?name=walk", body=body, headers={"Content-Type": "model/gltf-binary"})
+        self.assertEqual((answer.status, answer.json["warnings"]), (201, []), answer)
+        [walk] = answer.json["motion"]
+        self.assertAlmostEqual(walk["duration_seconds"], 3.7, places=5)
+        self.assertEqual((walk["moves"]["meshes"], walk["moves"]["lights"]), (4, 1))  # shirt, skin, trousers, rod
+        view = {"camera": {"name": "CameraWalk"}, "animation": 0}
+        pictures = {self.picture("walk", time=time, **view) for time in (0, 0.25, 1)}
+        self.assertEqual(len(pictures), 3)
 
     def test_an_open_shutter_shows_many_moments(self):
         still = self.picture(animation="slide", time=0.5)
