@@ -7,6 +7,7 @@
 #include "clients/cli/commands.h"
 #include "clients/cli/compare_memory.h"
 #include "clients/cli/compare_presets.h"
+#include "clients/cli/compare_sequences.h"
 #include "clients/cli/compare_stages.h"
 #include "clients/cli/comparison_follower.h"
 #include "clients/cli/method_catalogue.h"
@@ -24,7 +25,9 @@ struct CompareOptions {
     std::string preset, device, scene_folder;
     bool builtin = false;  // stand-ins for the preset's files
     std::vector<std::string> parts;
-    std::optional<uint32_t> reference_passes;
+    std::optional<uint32_t> reference_passes, frames;
+    std::optional<double> fps;
+    std::string videos;
     std::vector<std::string> entries, sweeps;
     std::vector<uint64_t> seeds;
     bool no_wait = false;
@@ -87,6 +90,7 @@ void put_ends(CompareOptions& options, const PresetComparison& part) {
         return;
     }
     if (!request.stop.any()) request.stop.seconds = part.seconds;
+    if (part.sequence.count > 0) return;
     if (request.reference.empty())
         request.reference = on_device(part.reference, options.device) + ":" +
                             std::to_string(options.reference_passes.value_or(part.reference_passes));
@@ -198,7 +202,31 @@ std::vector<const PresetComparison*> with_scenes(Session& session, const Compare
     return parts;
 }
 
+/// Throws Failure(Usage) for what is not of sequences.
+ExitCode compare_moving(Session& session, const CompareOptions& options, const PresetComparison& part) {
+    if (options.no_wait || !options.sweeps.empty() || !options.outputs.csv.empty() ||
+        !options.request.reference.empty() || !options.request.metrics.empty() ||
+        !options.request.idempotency_key.empty())
+        throw Failure(ExitCode::Usage,
+                      "--no-wait, --sweep, --csv, --reference, --metrics and --idempotency-key do not go with the "
+                      "sequences of this preset");
+    json request = build_request(session, options);
+    send_parts(session, request, options.request);
+    request["frames"] = options.frames.value_or(part.sequence.count);
+    request["fps"] = options.fps.value_or(part.sequence.fps);
+    if (!request.contains("animation")) request["animation"] = part.sequence.animation;
+    const json reference{
+        {"method", MethodCatalogue(session.daemon()).method_from(on_device(part.reference, options.device))},
+        {"passes", options.reference_passes.value_or(part.reference_passes)}};
+    std::string videos = options.videos;
+    if (!videos.empty()) videos = (std::filesystem::path(videos) / part.name).string();
+    return compare_sequences(session, request, reference, options.wait, {options.outputs, videos});
+}
+
 ExitCode compare_one(Session& session, const CompareOptions& options, const PresetComparison* part) {
+    if (part && part->sequence.count > 0) return compare_moving(session, options, *part);
+    if (options.frames || options.fps || !options.videos.empty())
+        throw Failure(ExitCode::Usage, "--frames, --fps and --videos belong to --preset moving");
     json request = build_request(session, options);
     send_parts(session, request, options.request);
     if (part && part->frames > 0 && options.request.reference.empty())
@@ -279,6 +307,12 @@ void add_compare_command(CLI::App& program, Session& session) {
     command->add_option("--reference-passes", options->reference_passes, "of the preset's reference")
         ->type_name("INT")
         ->check(CLI::Range(1, 1'000'000'000).description(""));
+    command->add_option("--frames", options->frames, "of the preset's sequences, where its scenes move")
+        ->type_name("INT")
+        ->check(CLI::Range(2, 100'000).description(""));
+    command->add_option("--fps", options->fps, "frames a second of those")->type_name("NUMBER");
+    command->add_option("--videos", options->videos, "save them as MP4 there, a folder for each part")
+        ->type_name("FOLDER");
     add_list(
         "--entry", options->entries,
         "what is compared, once for each: 'photon mapping=photon_mapping,photons=200000'; METHOD@DEVICE says where",

@@ -65,7 +65,7 @@ ComparePreset photon_splatting_thesis() {
 std::span<const ComparePreset> compare_presets() {
     static const std::vector<ComparePreset> kPresets{
         photon_splatting_thesis(),    svo_thesis(), progressive(), vcm(), ispm_thesis(),
-        visibility_filtering_paper(), real_time()};
+        visibility_filtering_paper(), real_time(),  moving()};
     return kPresets;
 }
 

@@ -36,6 +36,13 @@ struct PublishedStages {
     std::vector<PublishedStage> stages;
 };
 
+/// Frames of a moving scene, which are measured by error, flicker and lag (compare_sequences.h).
+struct PresetFrames {
+    uint32_t count = 0;  // 0: the comparison is of images
+    double fps = 0;
+    uint32_t animation = 0;  // of the scene's, by index
+};
+
 /// One comparison of a preset.
 struct PresetComparison {
     std::string_view name;    // --part, and in the names of its reports
@@ -54,6 +61,7 @@ struct PresetComparison {
     std::vector<std::string> entries, sweeps;  // as --entry and --sweep take them
     PublishedStructures structures;
     PublishedStages stages;
+    PresetFrames sequence;
 };
 
 struct ComparePreset {
@@ -77,6 +85,8 @@ ComparePreset ispm_thesis();
 ComparePreset visibility_filtering_paper();
 /// compare_preset_real_time.cpp
 ComparePreset real_time();
+/// compare_preset_moving.cpp
+ComparePreset moving();
 
 /// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
 std::string of_part(const std::string& file, std::string_view part);

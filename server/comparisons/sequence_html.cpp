@@ -33,7 +33,11 @@ constexpr FrameFigure kFrameFigures[] = {
      false},
 };
 
+/// By its label "entry" where it has one, as those of a preset do.
 std::string name_of(const json& sequence) {
+    const json labels = sequence.at("request").value("labels", json::object());
+    if (const json entry = labels.value("entry", json()); entry.is_string())
+        return plain(entry) + " (" + plain(sequence.at("id")) + ")";
     const json& method = sequence.at("request").at("method");
     const std::string device = plain(method.at("device"));
     return plain(method.at("name")) + (device == "cpu" ? "" : " on " + device) + " (" + plain(sequence.at("id")) + ")";

@@ -52,6 +52,26 @@ class Sequences(Case):
         self.assertEqual(cli.run("sequences", "errors", shown, "--references", first).returncode, USAGE)
         self.assertEqual(cli.run("sequences", "errors", shown, "--references", first, first).returncode, REFUSED)
 
+    def test_a_preset_sets_methods_with_and_without_reuse_beside_each_other(self):
+        options = ["compare", "--preset", "moving", "--part", "cornell-box", "--width", "16", "--height", "16"]
+        self.run_ok(*options, "--frames", "4", "--passes", "1", "--reference-passes", "1", "-o", "moving.html",
+                    "--json-report", "moving.json")
+        report = json.loads((cli.folder / "moving-cornell-box.json").read_text())
+        self.assertEqual((report["request"]["scene"], len(report["references"])), ("moving/cornell-box", 2))
+        rows = {row["label"]: row for row in report["rows"]}
+        self.assertEqual(len(rows), 12)
+        for label, row in rows.items():
+            self.assertEqual((row["passes"], len(row["errors"]["frames"])), (1, 4), label)
+            self.assertIsNotNone(row["errors"]["mean"]["flicker"], label)
+        page = (cli.folder / "moving-cornell-box.html").read_text()
+        for label in rows:
+            self.assertIn(label, page)
+        missing = cli.run("compare", "--preset", "moving", "--part", "sponza")
+        self.assertEqual(missing.returncode, USAGE)
+        self.assertIn("sponza_moving.glb", missing.stderr)
+        self.assertEqual(cli.run(*options, "--no-wait").returncode, USAGE)
+        self.assertEqual(cli.run("compare", "cornell-box", "--entry", "path_tracing", "--passes", "1", "--frames", "2").returncode, USAGE)
+
     def test_an_estimate_and_what_is_refused(self):
         estimate = self.run_ok("sequence", "moving/cornell-box", *SMALL, "--frames", "100", "--dry-run").stdout
         self.assertRegex(estimate, r"^100 frames\nmemory .+\ndisk .+\ntime ")
