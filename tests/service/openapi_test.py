@@ -159,6 +159,9 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", f"/v1/jobs/{job['id']}")
         for name in ("image.exr", "preview.png", "pixels", "statistics.json", "log.txt"):
             self.assertEqual(ask("GET", f"/v1/jobs/{job['id']}/{name}").status, 200, name)
+        rendered = ask("POST", "/v1/render?wait=400", json_body=small_job())
+        self.assertEqual(rendered.status, 200)
+        self.daemon.request("DELETE", rendered.headers["location"] + "?purge=true")
         self.measured(scene["id"], job["id"])
         photons = {"name": "photon_mapping", "parameters": {"photons": 1000, "gather_rays": 1, "keep_photon_map": True}}
         kept = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json
@@ -185,6 +188,9 @@ class OpenApiTest(unittest.TestCase):
         for name in ("image.exr", "preview.png", "pixels", "statistics.json"):
             self.assertEqual(ask("GET", f"/v1/jobs/{long_jobs[1]}/{name}").status, 202, name)
         self.assertEqual(ask("GET", flip + long_jobs[1]).status, 202)
+        late = ask("POST", "/v1/render?wait=0", json_body=small_job())
+        self.assertEqual(late.status, 202)
+        long_jobs.append(late.json["id"])
         waiting = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json["id"]
         self.assertEqual(ask("GET", f"/v1/jobs/{waiting}/photon_map.glb").status, 202)
         long_jobs.append(waiting)
