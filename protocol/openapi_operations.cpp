@@ -90,13 +90,12 @@ json one_of_beauty_and(std::vector<std::string> layers) {
 }
 json measured_layer(const ApiVocabulary& vocabulary) { return one_of_beauty_and(vocabulary.radiance_layers); }
 
-/// What requests say that may wait for a job (server/routes/job_wait.h).
-std::vector<std::pair<const char*, json>> waiting(const char* text) {
-    return {{"wait", with_text(in_range(typed("number", "seconds"), 0, 600), text)},
-            {"cancel_on_disconnect", flag("the job ends with a client that leaves while its request waits")}};
+// What requests say that may wait for a job (server/routes/job_wait.h).
+std::pair<const char*, json> wait_parameter(const char* text) {
+    return {"wait", with_text(in_range(typed("number", "seconds"), 0, 600), text)};
 }
-void add_waiting(Operation& operation, const char* text) {
-    for (auto& parameter : waiting(text)) operation.query.push_back(std::move(parameter));
+std::pair<const char*, json> cancel_parameter() {
+    return {"cancel_on_disconnect", flag("the job ends with a client that leaves while its request waits")};
 }
 
 std::vector<Operation> scene_operations() {
@@ -181,8 +180,8 @@ std::vector<Operation> job_operations() {
          {{202, object("Job")}, {200, content(kJson, {{"anyOf", {schema_ref("Job"), schema_ref("Estimate")}}})}},
          object("JobRequest"),
          {{"dry_run", flag("only estimate: 200, nothing is queued")},
-          waiting("for so long at the most, for the job to be over: 200 then, else 202")[0],
-          waiting("")[1]},
+          wait_parameter("for so long at the most, for the job to be over: 200 then, else 202"),
+          cancel_parameter()},
          {{"Idempotency-Key", "the same key and body give the same job"}}},
         {"get",
          "/v1/jobs",
@@ -209,7 +208,7 @@ std::vector<Operation> job_operations() {
          "One job",
          {{200, object("Job")}},
          nullptr,
-         waiting("for so long at the most, for the job to be over")},
+         {wait_parameter("for so long at the most, for the job to be over")}},
         {"post",
          "/v1/render",
          "render",
@@ -218,7 +217,7 @@ std::vector<Operation> job_operations() {
          {{200, json{{"image/png", binary()}, {"image/x-exr", binary()}, {kJson, {{"schema", schema_ref("Job")}}}}},
           {202, object("Job")}},
          json{{kJson, {{"schema", schema_ref("JobRequest")}}}, {"multipart/form-data", binary()}},
-         waiting("for so long at the most; 60 where not given"),
+         {wait_parameter("for so long at the most; 60 where not given"), cancel_parameter()},
          {{"Idempotency-Key", "the same key and body give the same job"},
           {"Accept", "image/png (where not given), image/x-exr or application/json"}}},
         {"delete",
@@ -349,9 +348,9 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
     for (Operation& operation : all)
         if (operation.path.starts_with("/v1/jobs/"))
-            add_waiting(operation,
-                        "for so long at the most, for the job to be over: 503 where it is not; without, what "
-                        "there is so far");
+            operation.query.push_back(
+                wait_parameter("for so long at the most, for the job to be over: 503 where it is not; without, what "
+                               "there is so far"));
     return all;
 }
 

@@ -15,7 +15,7 @@ namespace photond::http {
 
 namespace {
 
-constexpr size_t kEventsAtOnce = 256;  // events at once
+constexpr size_t kEventsAtOnce = 256;
 
 /// Whether an event says that its job is over.
 bool ends_job(const Event& event) {

@@ -12,10 +12,15 @@ bool says_that_it_is_over(const nlohmann::json& job) {
 JobWait JobWait::read(Query& query) {
     JobWait wait;
     wait.seconds = query.number("wait");
-    wait.cancel_on_disconnect = query.flag("cancel_on_disconnect");
     if (wait.seconds && !(*wait.seconds >= 0 && *wait.seconds <= kMost_seconds))
         throw Error(ErrorCode::OutOfRange, "/wait",
                     "wait lies outside [0, " + std::to_string(static_cast<int>(kMost_seconds)) + "] seconds");
+    return wait;
+}
+
+JobWait JobWait::read_of_submission(Query& query) {
+    JobWait wait = read(query);
+    wait.cancel_on_disconnect = query.flag("cancel_on_disconnect");
     return wait;
 }
 

@@ -20,8 +20,10 @@ struct JobWait {
     std::optional<double> seconds;  // none: it does not wait
     bool cancel_on_disconnect = false;
 
-    /// `wait` and `cancel_on_disconnect`. OutOfRange at /wait.
+    /// `wait`, of a request that looks. OutOfRange at /wait.
     static JobWait read(Query& query);
+    /// And `cancel_on_disconnect`, of one that submits: whoever may only look must not end a job by going away.
+    static JobWait read_of_submission(Query& query);
 };
 
 /// The job's object, once it is over or the time is; throws AwaitJob before. To be called with the id of the job that

@@ -27,7 +27,7 @@ Reply awaited_reply(Service& service, const Call& call, const std::string& id, c
 Reply submit_job(Service& service, Call& call) {
     Query query(call.query);
     const bool dry_run = query.flag("dry_run");
-    const JobWait wait = JobWait::read(query);
+    const JobWait wait = JobWait::read_of_submission(query);
     query.finish();
     if (call.awaited) return awaited_reply(service, call, call.awaited->job, wait);
     const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());

@@ -64,7 +64,7 @@ Reply result_of(Service& service, const Call& call, const nlohmann::json& job, c
 
 Reply render(Service& service, Call& call) {
     Query query(call.query);
-    JobWait wait = JobWait::read(query);
+    JobWait wait = JobWait::read_of_submission(query);
     query.finish();
     if (!wait.seconds) wait.seconds = kWait_seconds;
     const std::string type = accepted_type(call.head, {kPng, kExr, kJson});

@@ -145,6 +145,12 @@ class RenderTest(DaemonTestCase):
                 self.daemon.request("DELETE", "/v1/jobs/" + job)
                 self.daemon.wait_for_job(job)
 
+    def test_who_only_looks_takes_no_job_along(self):
+        begun = self.endless()
+        for path in ("", "/image.exr"):
+            refused = self.daemon.request("GET", f"/v1/jobs/{begun}{path}?wait=0&cancel_on_disconnect=true")
+            self.assertEqual((refused.status, refused.json["code"]), (422, "unknown_field"), path)
+
     def test_the_same_key_gives_the_same_image(self):
         headers = {"Idempotency-Key": "once"}
         first, second = (self.daemon.request("POST", "/v1/render", json_body=small_job(size=16), headers=headers)
