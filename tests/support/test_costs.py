@@ -2,19 +2,22 @@
 """What a run of the tests cost, beside what it may cost (tests/budget.txt).
 
   test_costs.py calibrate                   prints how many processor seconds a fixed piece of work takes here and now
+  test_costs.py calibrate --until-killed    prints it again and again, while the tests run
   test_costs.py report FOLDER BUDGET --build SECONDS --calibration SECONDS ... [--enforce]
         prints processor seconds by program beside their budget, and the twenty dearest cases; FOLDER is where the tests
-        wrote them (PHOTOND_TEST_TIMES). --enforce: exit status 1 where a program took more than 1.5 times its share.
+        wrote them (PHOTOND_TEST_TIMES). --enforce: exit status 1 where a program took much more than its share.
   test_costs.py budget FOLDER --build SECONDS --calibration SECONDS ...
         prints a budget of what this run took
 
-A budget's figures are of the machine that its line `calibration` was measured on; they are scaled by this run's. Both are
-taken on all processors at once, as the tests are. A shared machine may be slower while the tests run than before and
-after them, which all programs show alike: a program is over its share where it is so beside the median of them as well.
+A budget's figures are of the machine that its line `calibration` was measured on; they are scaled by this run's, which is
+the mean of those taken while the tests ran. What other tenants of a shared machine take from one program and not from the
+next shows in the spread of all programs' costs about their median. A program is over its share where it took 1.5 times
+that median, and more than the spread explains: 3.5 of its standard deviations (by the median deviation) of the logarithm.
 """
 
 import argparse
 import collections
+import math
 import multiprocessing
 import os
 import pathlib
@@ -24,6 +27,9 @@ import sys
 import time
 
 ALLOWED = 1.5
+ALLOWED_DEVIATIONS = 3.5
+DEVIATION_OF_MEDIAN_DEVIATION = 1.4826  # the standard deviation of a normal distribution whose median deviation is 1
+SECONDS_BETWEEN_CALIBRATIONS = 15
 LEAST_PROGRAMS = 10  # of which a median says something
 LEAST_SHARE = 6.0  # processor seconds: below that a program is mostly its own start, and asks whether others are done
 
@@ -40,6 +46,12 @@ def fixed_work(_):
 def calibrate():
     with multiprocessing.Pool(os.cpu_count()) as pool:
         return statistics.median(pool.map(fixed_work, range(3 * os.cpu_count())))
+
+
+def calibrate_until_killed():
+    while True:
+        print(f"{fixed_work(None):.3f}", flush=True)
+        time.sleep(SECONDS_BETWEEN_CALIBRATIONS)
 
 
 def program_of(entry):
@@ -76,15 +88,21 @@ def report(asked):
     budget = read_budget(asked.budget)
     scale = statistics.mean(asked.calibration) / budget["calibration"]
     ratios = [seconds / (scale * budget[name]) for name, seconds in spent.items() if budget.get(name, 0.0) > LEAST_SHARE]
-    slower = max(1.0, statistics.median(ratios)) if len(ratios) >= LEAST_PROGRAMS else 1.0
-    print(f"Processor seconds; the budget is scaled by {scale:.2f}, this machine's speed before and after; the median "
-          f"program took {slower:.2f} times its share or less.\n")
+    slower, spread = 1.0, 0.0
+    if len(ratios) >= LEAST_PROGRAMS:
+        logarithms = [math.log(ratio) for ratio in ratios]
+        median = statistics.median(logarithms)
+        slower = max(1.0, math.exp(median))
+        spread = DEVIATION_OF_MEDIAN_DEVIATION * statistics.median(abs(value - median) for value in logarithms)
+    print(f"Processor seconds; the budget is scaled by {scale:.2f}, this machine's speed; the median program took "
+          f"{slower:.2f} times its share or less, with a spread of {100 * spread:.0f} %.\n")
     print(f"{'program':44}{'took':>9}{'budget':>9}")
     over = []
 
     def row(name, seconds):
         share = max(budget.get(name, 0.0), LEAST_SHARE) * scale
-        allowed = ALLOWED * (1.0 if name in ("tests", "total") else slower)
+        by_spread = math.exp(ALLOWED_DEVIATIONS * spread)
+        allowed = ALLOWED if name in ("tests", "total") else slower * max(ALLOWED, by_spread)
         excess = seconds > allowed * share
         if excess:
             over.append(f"{name} took {seconds:.1f} processor seconds, more than {allowed:.2f} times its {share:.1f}")
@@ -110,7 +128,7 @@ def report(asked):
 def main():
     parser = argparse.ArgumentParser()
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("calibrate")
+    commands.add_parser("calibrate").add_argument("--until-killed", action="store_true")
     for name in ("report", "budget"):
         command = commands.add_parser(name)
         command.add_argument("folder", type=pathlib.Path)
@@ -120,7 +138,9 @@ def main():
         command.add_argument("--build", type=float)
         command.add_argument("--calibration", type=float, nargs="+", required=True)
     asked = parser.parse_args()
-    if asked.command == "calibrate":
+    if asked.command == "calibrate" and asked.until_killed:
+        calibrate_until_killed()
+    elif asked.command == "calibrate":
         print(f"{calibrate():.3f}")
     elif asked.command == "report":
         sys.exit(report(asked))
