@@ -18,7 +18,16 @@ constexpr size_t kMaxCurvePoints = 10'000;  // a worker gone astray; a curve has
 
 }  // namespace
 
-void AttemptProgress::publish_progress(const RunningAttempt& attempt) {
+void AttemptProgress::publish_untold(RunningAttempt& attempt) {
+    publish_progress(attempt);
+    publish_curve(attempt);
+}
+
+void AttemptProgress::publish_progress(RunningAttempt& attempt) {
+    const auto now = SteadyClock::now();
+    if (!attempt.progress_untold || now - attempt.last_event < kProgressInterval) return;
+    attempt.last_event = now;
+    attempt.progress_untold = false;
     if (core_.events.next_id() >= core_.event_ids_until) {
         auto transaction = core_.store.transaction();
         const uint64_t reserved = core_.reserve_event_ids(1);
@@ -38,9 +47,7 @@ void AttemptProgress::progress(RunningAttempt& attempt, const ProgressMessage& t
     attempt.progress = std::clamp(told.progress, 0.0, 1.0);
     attempt.seconds = told.seconds;
     attempt.error_now = part_json(told.error_now);
-    const auto now = SteadyClock::now();
-    if (now - attempt.last_event < kProgressInterval) return;  // the next one says it all
-    attempt.last_event = now;
+    attempt.progress_untold = true;
     publish_progress(attempt);
 }
 

@@ -20,11 +20,12 @@ public:
     void progress(RunningAttempt& attempt, const ProgressMessage& told);
     void curve(RunningAttempt& attempt, const CurveMessage& told);
     void film_saved(RunningAttempt& attempt, const FilmSavedMessage& told);
-    /// Tells points that no event has told, unless the last ones were told just now.
-    void publish_curve(RunningAttempt& attempt);
+    /// Tells what no event has told, unless the last of its kind was told just now.
+    void publish_untold(RunningAttempt& attempt);
 
 private:
-    void publish_progress(const RunningAttempt& attempt);
+    void publish_progress(RunningAttempt& attempt);
+    void publish_curve(RunningAttempt& attempt);
 
     ServiceCore& core_;
     AttemptRecords& records_;

@@ -383,7 +383,7 @@ void Attempts::worker_tick(Slot& slot) {
     if (!slot.running) return dispatch(slot);
     const auto now = SteadyClock::now();
     RunningAttempt& attempt = *slot.running;
-    progress_.publish_curve(attempt);
+    progress_.publish_untold(attempt);
     if (now >= attempt.deadline && !attempt.deadline_passed) {
         attempt.deadline_passed = true;
         cancel_running(slot);

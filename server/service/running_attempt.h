@@ -43,6 +43,7 @@ struct RunningAttempt {
     double seconds = 0;
     nlohmann::json error_now;                        // {"metric", "value"} or null
     nlohmann::json curve = nlohmann::json::array();  // its points so far, those of the film it goes on from first
+    bool progress_untold = false;
     bool curve_begun = false;  // this attempt has sent points: they take the place of earlier ones
     nlohmann::json unpublished = nlohmann::json::array();  // points that no event has told yet
     SteadyClock::time_point last_curve_event;

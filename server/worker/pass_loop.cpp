@@ -48,6 +48,20 @@ private:
     double start_ = 0, staged_start_ = 0, cpu_start_ = 0;
 };
 
+/// The film at its end, in whatever way that comes.
+class EndOfReading {
+public:
+    explicit EndOfReading(FilmReader* reader) : reader_(reader) {}
+    ~EndOfReading() {
+        if (reader_) reader_->hold(true);
+    }
+    EndOfReading(const EndOfReading&) = delete;
+    EndOfReading& operator=(const EndOfReading&) = delete;
+
+private:
+    FilmReader* const reader_;
+};
+
 }  // namespace
 
 PassLoop::Result PassLoop::run(Stats& stats) {
@@ -66,6 +80,8 @@ PassLoop::Result PassLoop::run(Stats& stats) {
                (stop.seconds && done > 0 && result.render_seconds >= *stop.seconds);
     };
     if (stop_met()) return result;
+    const EndOfReading end_of_reading(reader);
+    if (reader && result.film.passes() > 0) reader->stands(result.film, result.render_seconds);
     RenderClock clock(now, stats);
     clock.start();
     method.begin(context, stats);
@@ -92,15 +108,25 @@ PassLoop::Result PassLoop::run(Stats& stats) {
         const double guessed_seconds = result.render_seconds + last_pass_seconds;  // when this one is folded
         if (!(stop.passes && done >= *stop.passes) && !(stop.seconds && guessed_seconds >= *stop.seconds))
             method.expect_pass(result.film.next_pass() + 1);
+        double pass_seconds = 0;
+        if (reader && !reader->hold(false)) {
+            method.settle();
+            pass_seconds = clock.stop();
+            result.render_seconds += pass_seconds;
+            reader->hold(true);
+            clock.start();
+        }
         {
             const StageTimer timer(stats, "combine");
             method.resolve(result.film);
         }
         if (pauses && pauses(result.film, result.render_seconds + clock.elapsed())) method.settle();
-        last_pass_seconds = clock.stop();
-        result.render_seconds += last_pass_seconds;
+        const double rest_seconds = clock.stop();
+        result.render_seconds += rest_seconds;
+        last_pass_seconds = pass_seconds + rest_seconds;
         result.passes_seconds += last_pass_seconds;
         ++result.passes_rendered;
+        if (reader) reader->stands(result.film, result.render_seconds);
         if (after_pass && after_pass(result.film, result.render_seconds)) break;
     }
     return result;

@@ -11,6 +11,17 @@
 
 namespace photond {
 
+/// Whoever reads the film from another thread, while passes are rendered.
+class FilmReader {
+public:
+    virtual ~FilmReader() = default;
+    /// The film is about to change, or to go: it is not read from here on, until it stands again. Where it is being
+    /// read at this moment, waits for that, off the clock, or returns false.
+    virtual bool hold(bool wait) = 0;
+    /// The film has taken so many seconds, and stays as it is.
+    virtual void stands(const Film& film, double render_seconds) = 0;
+};
+
 /// Begins a method and runs passes until a stop condition is met or `cancel` is seen. The film's memory and the
 /// method's are required of the budget first.
 ///
@@ -30,6 +41,7 @@ struct PassLoop {
     std::function<double()> now = wall_now_seconds;  // called by all threads that render
     /// Whether after_pass will take long, off the clock: the method's device is let come to rest before, on it.
     std::function<bool(const Film& film, double render_seconds)> pauses = {};
+    FilmReader* reader = nullptr;
 
     struct Result {
         Film film;

@@ -20,8 +20,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kProgressSeconds = 0.25;
-
 /// The most that FLIP's features of the reference may take (flip.h).
 uint64_t most_flip_bytes(const MeasuringPlan& plan, Size2 size) {
     constexpr uint64_t kMostExposures = 16, kBytesAPixel = 20, kCopyBytesAPixel = 12;
@@ -47,16 +45,6 @@ void require_own_film(const SavedFilm& saved, const FilmIdentity& identity, Size
 }
 
 }  // namespace
-
-void JobControl::request_snapshot(std::filesystem::path path) {
-    const std::lock_guard lock(mutex_);
-    snapshot_ = std::move(path);
-}
-
-std::optional<std::filesystem::path> JobControl::take_snapshot() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(snapshot_, std::nullopt);
-}
 
 template <class... Arguments>
 void RenderJob::log(const char* format, Arguments... arguments) {
@@ -226,6 +214,12 @@ PassLoop::Result RenderJob::render() {
     loop.pauses = [this](const Film& film, double seconds) {
         return follower_->may_measure(film, seconds) || saver_->due(film);
     };
+    so_far_.emplace(
+        control_.film_so_far, saver_->identity(), order_.origin,
+        FilmSoFar::Told{[this](ProgressMessage progress) { send_(message_json(std::move(progress))); },
+                        [this](const std::filesystem::path& path, uint32_t passes) { tell_saved(path, passes); }},
+        stats_, meters_);
+    loop.reader = &*so_far_;
     loop.first_pass = request.first_pass;
     loop.film = film_to_go_on_with();
     if (loop.film) {
@@ -233,10 +227,11 @@ PassLoop::Result RenderJob::render() {
         if (met_before_) loop.stop.passes = resumed_passes_;  // nothing is left to be done
         report_.passes_done = resumed_passes_, report_.seconds = seconds_before_;
         send_curve(0);
-        send_progress(*loop.film, seconds_before_);
+        tell_progress(*loop.film, seconds_before_);
     }
     meters_.cores.begin();
     PassLoop::Result result = loop.run(stats_);
+    so_far_.reset();
     meters_.cores.end();
     add_skipped(stats_.skipped, skipped_before_);  // what a begin() of now did not name
     return result;
@@ -247,12 +242,8 @@ bool RenderJob::after_pass(const Film& film, double seconds) {
     const size_t known_points = follower_->curve().size();
     const bool target_met = follower_->after_pass(film, seconds);
     if (follower_->curve().size() > known_points) send_curve(known_points);
-    if (wall_now_seconds() - last_progress_ >= kProgressSeconds) {
-        send_progress(film, seconds);
-        meters_.cores.look();
-    }
-    if (const auto snapshot = control_.take_snapshot()) save(film, seconds, *snapshot, true);
-    if (!target_met && saver_->due(film)) save(film, seconds, order_.film, true);
+    tell_progress(film, seconds);
+    if (!target_met && saver_->due(film)) save(film, seconds, true);
     return target_met;
 }
 
@@ -282,7 +273,7 @@ void RenderJob::finish(const PassLoop::Result& result) {
         if (!goes_on_elsewhere && result.passes_rendered > 0) save_artefacts();
         // Hashed while the disk takes the film.
         std::future<std::string> hash = std::async(std::launch::async, [&film] { return film.pixel_hash(); });
-        save(film, result.render_seconds, order_.film, control_.stopping);
+        save(film, result.render_seconds, control_.stopping);
         report_.film = order_.film;
         pixel_hash = hash.get();
     }
@@ -324,12 +315,15 @@ FilmHistory RenderJob::history(double seconds) {
     return history;
 }
 
-void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
+void RenderJob::save(const Film& film, double seconds, bool tell) {
     const bool begun = film.passes() > resumed_passes_;
-    saver_->save(film, history(seconds).text(), path, order_.origin, method_->state(),
+    saver_->save(film, history(seconds).text(), order_.film, order_.origin, method_->state(),
                  begun ? method_->left_to_next() : left_before_);
-    if (!tell) return;
-    send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
+    if (tell) tell_saved(order_.film, film.passes());
+}
+
+void RenderJob::tell_saved(const std::filesystem::path& path, uint32_t passes) {
+    send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, passes}));
 }
 
 void RenderJob::save_artefacts() {
@@ -353,14 +347,14 @@ void RenderJob::send_curve(size_t first) {
     send_(message_json(std::move(told)));
 }
 
-void RenderJob::send_progress(const Film& film, double seconds) {
-    send_(message_json(ProgressMessage{.job = order_.job,
-                                       .attempt = order_.attempt,
-                                       .passes_done = film.passes(),
-                                       .progress = progress_of(order_.request.stop, film.passes(), seconds),
-                                       .seconds = seconds,
-                                       .error_now = follower_->error_now()}));
-    last_progress_ = wall_now_seconds();
+void RenderJob::tell_progress(const Film& film, double seconds) {
+    const bool told = so_far_->tell({.job = order_.job,
+                                     .attempt = order_.attempt,
+                                     .passes_done = film.passes(),
+                                     .progress = progress_of(order_.request.stop, film.passes(), seconds),
+                                     .seconds = seconds,
+                                     .error_now = follower_->error_now()});
+    if (told) meters_.cores.look();
 }
 
 }  // namespace photond

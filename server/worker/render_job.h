@@ -1,13 +1,12 @@
 #pragma once
 // Scene -> method -> film -> result: one job from its order to what it leaves. Around the loop over its passes
 // (pass_loop.h) it goes on from saved films and saves them (film_saver.h), follows the error (error_follower.h) and
-// sends what the daemon wants to hear.
+// sends what the daemon wants to hear (film_so_far.h).
 
 #include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "server/worker/error_statistics.h"
 #include "server/worker/film_history.h"
 #include "server/worker/film_saver.h"
+#include "server/worker/film_so_far.h"
 #include "server/worker/pass_loop.h"
 #include "server/worker/render_meters.h"
 #include "server/worker/render_order.h"
@@ -32,14 +32,7 @@ class JobControl {
 public:
     CancelToken cancel;
     std::atomic<bool> stopping{false};  // cancelled because the worker is to end
-
-    /// Save the film so far to `path` after the pass at hand; a second request before that replaces the first.
-    void request_snapshot(std::filesystem::path path);
-    std::optional<std::filesystem::path> take_snapshot();
-
-private:
-    std::mutex mutex_;
-    std::optional<std::filesystem::path> snapshot_;
+    FilmRequests film_so_far;
 };
 
 /// What will be said in the end; filled as the job goes on, so that a failure keeps what was true before it.
@@ -80,11 +73,12 @@ private:
     FilmHistory history(double seconds);
     /// What all attempts had of the processors.
     CoreUse core_use();
-    void save(const Film& film, double seconds, const std::filesystem::path& path, bool tell);
+    void save(const Film& film, double seconds, bool tell);
+    void tell_saved(const std::filesystem::path& path, uint32_t passes);
     void save_artefacts();
     /// Sends the curve's points from that one on.
     void send_curve(size_t first);
-    void send_progress(const Film& film, double seconds);
+    void tell_progress(const Film& film, double seconds);
     template <class... Arguments>
     void log(const char* format, Arguments... arguments);
 
@@ -105,6 +99,7 @@ private:
     std::optional<FilmErrors> errors_;
     std::optional<ErrorFollower> follower_;
     std::optional<FilmSaver> saver_;
+    std::optional<FilmSoFar> so_far_;               // while passes are rendered
     double seconds_before_ = 0;                     // of the film that this job goes on with
     uint32_t resumed_passes_ = 0;                   // likewise
     Counts counts_before_;                          // likewise
@@ -112,7 +107,6 @@ private:
     bool met_before_ = false;                       // its target, likewise
     std::vector<Skipped> skipped_before_;
     std::string left_before_;  // of the film that this job goes on with: SavedFilm::left
-    double last_progress_ = 0;
 };
 
 }  // namespace photond

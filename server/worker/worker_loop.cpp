@@ -135,7 +135,7 @@ int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
             job.wait();
             job.start(runner, *order);
         } else if (const auto* snapshot = std::get_if<SnapshotMessage>(&*told)) {
-            if (job.is(snapshot->job)) job.control().request_snapshot(snapshot->path);
+            if (job.is(snapshot->job)) job.control().film_so_far.ask(snapshot->path);
         } else if (const auto* cancel = std::get_if<CancelMessage>(&*told)) {
             if (job.is(cancel->job)) job.control().cancel.cancel();
         } else {  // StopMessage

@@ -36,16 +36,23 @@ protected:
         message["reference"] = reference;
         return message;
     }
-    /// Runs the job and saves its film after that many passes, as a worker does that is killed later.
-    void save_after(json message, uint32_t passes, const std::string& name) {
+    /// Runs the job for that many passes and keeps its film, as a worker does that is stopped then.
+    void save_after(const json& message, uint32_t passes, const std::string& name) {
+        const std::filesystem::path so_far = path("so_far.film");
         JobControl control;
         on_message = [&](const json& told) {
-            const std::string type = told["type"];
-            const uint32_t done = type == "film_saved" ? told["passes_done"].get<uint32_t>() : 0;
-            if (type == "started" || (type == "film_saved" && done < passes)) control.request_snapshot(path(name));
+            const bool saved = told["type"] == "film_saved" && told["path"] == so_far.string();
+            if (saved && told["passes_done"] == passes) {
+                control.stopping = true;
+                control.cancel.cancel();
+            } else if (saved || told["type"] == "started") {
+                control.film_so_far.ask(so_far);
+            }
         };
-        EXPECT_EQ(run(message, control)["state"], "succeeded");
+        run(message, control);  // cancelled, unless it was done
         on_message = nullptr;
+        std::filesystem::remove(so_far);
+        std::filesystem::rename(film_path(), path(name));
         EXPECT_EQ(FilmFile::load(path(name)).film.passes(), passes);
     }
     json resumed(json message, const std::string& name) {

@@ -18,60 +18,15 @@
 #include "renderer/scene/solid_glass.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/statistics.h"
+#include "tests/support/counting_method.h"
 #include "tests/support/job_runs.h"
 
 namespace photond::job_runner_test {
 namespace {
 
 using nlohmann::json;
-
-class NoIntersector final : public Intersector {
-public:
-    Hit closest_hit(const Ray&) const override { return {}; }
-    bool occluded(const Ray&) const override { return false; }
-    void closest_hits(std::span<const Ray>, std::span<Hit>, Coherence) const override {}
-    void occluded(std::span<const Ray>, std::span<uint8_t>, Coherence) const override {}
-    uint64_t bytes() const override { return 0; }
-};
-
-/// A method whose pass p is p + 1 everywhere and takes a stated time; it can be told to cancel itself within a pass.
-class CountingMethod final : public Method {
-public:
-    std::chrono::milliseconds begin_time{0}, pass_time{0};
-    CancelToken* cancel_in_pass = nullptr;
-    std::function<void(Stats& stats, const CancelToken& cancel)> in_pass;
-    uint32_t cancel_pass = 0;
-    uint32_t passes_run = 0;
-    bool began = false;
-    std::string said;  // what the loop said: eN for expect_pass(N), r for end_pass(), s for settle()
-
-    void begin(const RenderContext& context, Stats&) override {
-        began = true;
-        image_ = PassImage(context.view.film_size, context.view.layers);
-        std::this_thread::sleep_for(begin_time);
-    }
-    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override {
-        EXPECT_EQ(pass, passes_run);
-        ++passes_run;
-        if (in_pass) in_pass(stats, cancel);
-        std::this_thread::sleep_for(pass_time);
-        image_.of<Layer::Direct>().assign(image_.of<Layer::Direct>().size(), Rgb(static_cast<float>(pass + 1)));
-        if (cancel_in_pass && pass == cancel_pass) cancel_in_pass->cancel();
-    }
-    void expect_pass(uint32_t pass) override { said += "e" + std::to_string(pass); }
-    void settle() override {
-        said += "s";
-        std::this_thread::sleep_for(settle_time);
-    }
-    PassImage* end_pass() override {
-        said += "r";
-        return &image_;
-    }
-    std::chrono::milliseconds settle_time{0};
-
-private:
-    PassImage image_;
-};
+using test::CountingMethod;
+using test::NoIntersector;
 
 class PassLoopTest : public testing::Test {
 protected:
@@ -397,7 +352,7 @@ TEST_F(JobRunnerTest, TheSameBitsForAnyThreadsAndFromAWarmScene) {
 TEST_F(JobRunnerTest, SnapshotsAndCancelling) {
     JobControl control;
     const std::filesystem::path snapshot = film_path().string() + ".snapshot";
-    control.request_snapshot(snapshot);
+    control.film_so_far.ask(snapshot);
     const json finished = run(order(), control);
     EXPECT_EQ(finished["state"], "succeeded");
     bool saved = false;
@@ -444,7 +399,7 @@ TEST_F(JobRunnerTest, AJobThatIsCutShortKeepsItsPhotonsUnlessItGoesOnElsewhere) 
         JobControl control;
         json message = photon_order();
         message["request"]["stop"] = {{"seconds", 3600}};
-        control.request_snapshot(film_path().string() + ".s1");  // answered after the first pass
+        control.film_so_far.ask(film_path().string() + ".s1");  // answered after the first pass
         std::thread cancelling([&] {
             while (!std::filesystem::exists(film_path().string() + ".s1"))
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
