@@ -413,13 +413,15 @@ struct EncodeExrRequest {
     static constexpr const char* kType = "encode_exr";
     using Reply = EncodedReply;
     std::filesystem::path film;
-    nlohmann::json statistics;  // protocol.md, "Shapes": written down in the file; or null
-    std::string precision;      // "float" or "half"
+    nlohmann::json statistics;   // protocol.md, "Shapes": written down in the file; or null
+    nlohmann::json job_request;  // the whole job that rendered it, likewise; or null
+    std::string precision;       // "float" or "half"
     std::filesystem::path out;
 
     void visit(MessageVisitor& visitor) {
         visitor.member("film", film);
         visitor.or_null("statistics", statistics);
+        visitor.or_null("job_request", job_request);
         visitor.member("precision", precision);
         visitor.member("out", out);
     }

@@ -98,11 +98,14 @@ std::string encode_block(std::span<const Value> values) {
 
 class Reader {
 public:
+    static constexpr size_t kBufferBytes = 1 << 20;  // a call of the system costs as much as some 10 kB
+
     explicit Reader(const std::filesystem::path& path)
         : path_(path), file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
         if (!file_)
             throw Error(errno == ENOENT ? ErrorCode::ResultLost : ErrorCode::Internal,
                         "the film file " + path.filename().string() + " cannot be opened: " + std::strerror(errno));
+        std::setvbuf(file_.get(), nullptr, _IOFBF, kBufferBytes);
     }
     void read(void* data, size_t bytes) {
         if (std::fread(data, 1, bytes, file_.get()) != bytes) damaged(path_, "it is cut short");

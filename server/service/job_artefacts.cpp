@@ -60,9 +60,11 @@ Artefact JobArtefacts::encoded(const std::string& id, const std::string& what, c
 
 Artefact JobArtefacts::image(const std::string& id, const std::string& precision) {
     require_precision(precision);
-    return encoded(id, "exr/" + precision, "image/x-exr", [&](const FilmSource& film, const fs::path& out) {
-        return core_.helper->ask(EncodeExrRequest{film.path, film.statistics, precision, out});
-    });
+    // What such a file says is in its key: a cache may hold those of an older version.
+    return encoded(
+        id, "exr-with-request/" + precision, "image/x-exr", [&](const FilmSource& film, const fs::path& out) {
+            return core_.helper->ask(EncodeExrRequest{film.path, film.statistics, film.request, precision, out});
+        });
 }
 
 void JobArtefacts::check_look(const PreviewWanted& wanted) {

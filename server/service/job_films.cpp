@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr auto kSnapshotPatience = std::chrono::seconds(20);   // for the pass at hand; then 202
+constexpr auto kSnapshotPatience = std::chrono::seconds(5);    // for the disk to take the film; then 202
 constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger than this is "so far"
 
 }  // namespace
@@ -47,6 +47,7 @@ FilmSource JobFilms::film_source(const std::string& id) {
                         prefix + row.film,
                         prefix + row.film,
                         parsed_or_null(row.statistics),
+                        parsed_or_null(row.request),
                         nullptr};
             if (row.state == JobState::Queued) return {.pending = true};
             throw Error(ErrorCode::NotFound, "job " + id + " " + std::string(job_state_name(row.state)) +
@@ -57,8 +58,13 @@ FilmSource JobFilms::film_source(const std::string& id) {
         if (const auto& snapshot = attempt->snapshot;
             snapshot && (snapshot->passes_done >= attempt->passes_done || snapshot->path == asked_for ||
                          SteadyClock::now() - snapshot->saved < kSnapshotAge))
-            return {false,   snapshot->path, prefix + snapshot->path.filename().string(), prefix + "newest",
-                    nullptr, snapshot};
+            return {false,
+                    snapshot->path,
+                    prefix + snapshot->path.filename().string(),
+                    prefix + "newest",
+                    nullptr,
+                    parsed_or_null(row.request),
+                    snapshot};
         if (asked_for.empty()) asked_for = attempts_.ask_for_snapshot(row.seq).string();
         if (core_.stopping || core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout)
             return {.pending = true};

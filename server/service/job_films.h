@@ -18,6 +18,7 @@ struct FilmSource {
     std::string cache_key;
     std::string subject;  // the same; of a job that runs, whatever film is its newest
     nlohmann::json statistics;
+    nlohmann::json request;  // the job's, every default filled in
     std::shared_ptr<const void> pin;
 };
 
@@ -30,8 +31,8 @@ public:
     JobFilms(ServiceCore& core, Attempts& attempts, JobObjects& objects)
         : core_(core), attempts_(attempts), objects_(objects) {}
 
-    /// Takes the lock; of a running job it waits for the pass at hand. Throws NotFound, with the reason, where there is
-    /// none, and ResultLost where it is gone.
+    /// Takes the lock; of a running job it waits for the disk to take it. Throws NotFound, with the reason, where there
+    /// is none, and ResultLost where it is gone.
     FilmSource film_source(const std::string& id);
     /// Gives the film a second name that goes with the last user: it can be read whatever becomes of its job. With the
     /// lock or without. Throws NotFound where the job has just been removed.

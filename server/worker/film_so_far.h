@@ -21,7 +21,7 @@ namespace photond {
 inline constexpr double kProgressSeconds = 0.25;
 /// A film that is asked for is saved between passes, off the clock, when the pass at hand is done within this time, and
 /// beside that pass otherwise.
-inline constexpr double kSavedBesideAfter = 0.1;
+inline constexpr double kSavedBesideAfter = 0.025;
 
 /// Who asks for a running job's film; from another thread than the one that renders.
 class FilmRequests {

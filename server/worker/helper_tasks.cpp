@@ -31,7 +31,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr uint64_t kKeptBytes = 512ull << 20;
 constexpr uint64_t kWarmSceneDivisor = 4;  // share of the memory limit that a scene kept for the next picture may take
 
 json judge_scene(const JudgeSceneRequest& asked) {
@@ -63,10 +62,12 @@ JudgeImageReply judge_image_file(const JudgeImageRequest& asked) {
 }
 
 EncodedReply encode_exr(const EncodeExrRequest& asked, uint64_t memory_bytes) {
-    const Film film = FilmFile::load(asked.film, memory_bytes).film;
-    const std::vector<ImageAttribute> attributes = statistics_attributes(asked.statistics);
+    const SavedFilm saved = FilmFile::load(asked.film, memory_bytes);
+    std::vector<ImageAttribute> attributes = statistics_attributes(asked.statistics);
+    if (!asked.job_request.is_null()) attributes.push_back({"photond:request", asked.job_request.dump()});
+    if (!saved.identity.scene.empty()) attributes.push_back({"photond:scene", saved.identity.scene});
     EncodedReply reply;
-    reply.overflowed = write_exr(film, precision_named(asked.precision), attributes, asked.out);
+    reply.overflowed = write_exr(saved.film, precision_named(asked.precision), attributes, asked.out);
     return reply;
 }
 
@@ -169,7 +170,7 @@ Outcome run_request(const HelperRequest& request, const HelperLimits& limits, Sc
     }
     if (scenes.bytes() > limits.memory_bytes / kWarmSceneDivisor) scenes.clear();
     // Memory kept from one small task to the next saves the kernel clearing it again.
-    if (resident_bytes() > kKeptBytes + scenes.bytes()) release_free_memory();
+    if (resident_bytes() > kHelperKeptBytes + scenes.bytes()) release_free_memory();
     return outcome;
 }
 

@@ -8,6 +8,9 @@
 
 namespace photond {
 
+/// Memory that the helper keeps from one task to the next (keep_free_memory()).
+inline constexpr int kHelperKeptBytes = 512 << 20;
+
 struct HelperLimits {
     uint64_t memory_bytes = UINT64_MAX;
     unsigned threads = 1;

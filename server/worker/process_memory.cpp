@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -54,5 +55,11 @@ void reset_peak_resident() {
 uint64_t machine_memory_bytes() { return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * page_bytes(); }
 
 void release_free_memory() { malloc_trim(0); }
+
+void keep_free_memory(int bytes) {
+    mallopt(M_TRIM_THRESHOLD, bytes);
+    constexpr int kMostOfHeap = 32 << 20;  // larger ones are mapped, and given back at once
+    mallopt(M_MMAP_THRESHOLD, std::min(bytes, kMostOfHeap));
+}
 
 }  // namespace photond

@@ -14,5 +14,8 @@ uint64_t virtual_bytes();
 uint64_t machine_memory_bytes();
 /// Gives memory that was freed back to the system, so that it is not counted as this job's.
 void release_free_memory();
+/// Keeps up to so many bytes that were freed, for who asks next: the kernel clears what it gives page by page, which
+/// takes longer than most that is done with it.
+void keep_free_memory(int bytes);
 
 }  // namespace photond

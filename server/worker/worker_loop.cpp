@@ -28,7 +28,8 @@ constexpr std::chrono::seconds kHeartbeat{1};
 /// hold.
 constexpr uint64_t kIdleScenesDivisor = 8;
 constexpr int kSettledMilliseconds = 1'000;  // without a request; then the helper loads the image library for the first
-constexpr int kWarmMilliseconds = 120'000;   // without a request; then the helper lets go of its warm scene
+constexpr int kWarmMilliseconds =
+    120'000;  // without a request; then the helper lets go of its warm scene and its memory
 
 /// Sends a heartbeat each second, from a thread that nothing a render does can delay.
 class Heartbeat {
@@ -158,15 +159,16 @@ int list_devices(MessageChannel& channel) {
 }
 
 int run_helper(MessageChannel& channel, const WorkerOptions& options) {
+    keep_free_memory(kHelperKeptBytes);
     start_threads();
     say_hello(channel, options);
     const Heartbeat heartbeat(channel);
     SceneCache scenes(0);
-    bool warm = !options.warm_up;
+    bool warm = !options.warm_up, holds_memory = false;
     while (true) {
-        const std::optional<json> message = channel.receive(!warm                ? kSettledMilliseconds
-                                                            : scenes.bytes() > 0 ? kWarmMilliseconds
-                                                                                 : -1);
+        const std::optional<json> message = channel.receive(!warm          ? kSettledMilliseconds
+                                                            : holds_memory ? kWarmMilliseconds
+                                                                           : -1);
         if (!message) {
             if (channel.closed()) std::_Exit(0);
             if (!std::exchange(warm, true)) {
@@ -175,10 +177,11 @@ int run_helper(MessageChannel& channel, const WorkerOptions& options) {
             }
             scenes.clear();  // nobody turns it any more
             release_free_memory();
+            holds_memory = false;
             continue;
         }
         if (is_message<StopMessage>(*message)) return 0;
-        warm = true;
+        warm = holds_memory = true;
         channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}, scenes));
     }
 }

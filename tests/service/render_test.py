@@ -15,6 +15,19 @@ ENDLESS = 100_000_000  # passes: over long after the test
 PNG, EXR = b"\x89PNG\r\n\x1a\n", b"\x76\x2f\x31\x01"
 
 
+def exr_attributes(image):
+    """The texts among the header's attributes, read without an image library."""
+    attributes, at = {}, 8  # magic and version
+    while image[at]:
+        name, kind = image[at:at + 300].split(b"\0", 2)[:2]
+        at += len(name) + len(kind) + 2
+        size = int.from_bytes(image[at:at + 4], "little")
+        if kind == b"string":
+            attributes[name.decode()] = image[at + 4:at + 4 + size].decode()
+        at += 4 + size
+    return attributes
+
+
 class RenderTest(DaemonTestCase):
     def tearDown(self):
         for state in ("queued", "running"):
@@ -144,6 +157,20 @@ class RenderTest(DaemonTestCase):
                 self.assertEqual(self.daemon.job(job)["state"], "running")
                 self.daemon.request("DELETE", "/v1/jobs/" + job)
                 self.daemon.wait_for_job(job)
+
+    def test_an_exr_says_how_to_make_it_again(self):
+        asked = small_job(scene="interior", size=16, passes=2, seed=7,
+                          method="photon_mapping")
+        asked["method"]["parameters"] = {"photons": 2000}
+        image = self.render("image/x-exr", job=asked)
+        job = self.daemon.request("GET", image.headers["location"]).json
+        attributes = exr_attributes(image.body)
+        request = json.loads(attributes["photond:request"])
+        self.assertEqual(request, job["request"])
+        self.assertEqual(attributes["photond:scene"],
+                         self.daemon.request("GET", f"/v1/scenes/{asked['scene']}").json["id"])
+        again = self.daemon.run_job(request)
+        self.assertEqual(again["statistics"]["pixel_hash"], job["statistics"]["pixel_hash"])
 
     def test_who_only_looks_takes_no_job_along(self):
         begun = self.endless()

@@ -162,7 +162,7 @@ TEST(HelperMessages, OfImagesAndFilms) {
         with_pair(R"(, "type": "encode_flip_map", "layer": "direct", "range": "hdr", "precision": "half")").c_str());
     exact<EncodeErrorMapRequest>(with_pair(R"(, "type": "encode_error_map", "layer": "direct")").c_str());
     exact<EncodeExrRequest>(
-        R"({"type": "encode_exr", "film": "/f", "statistics": null, "precision": "half", "out": "/o"})");
+        R"({"type": "encode_exr", "film": "/f", "statistics": null, "job_request": null, "precision": "half", "out": "/o"})");
     exact<EncodePreviewRequest>(
         R"({"type": "encode_preview", "film": "/f", "layer": "beauty", "exposure": 0.5, "curve": "srgb",
             "max_size": null, "out": "/o"})");
