@@ -75,6 +75,15 @@ class PackageTest(unittest.TestCase):
         self.pip("install", "--no-build-isolation", "--no-index", "--no-deps", "--target", site, self.source)
         self.check_installed(python)
 
+    def test_the_source_installs_where_there_is_nothing_but_python(self):
+        """As in `python3 -m venv`, which has no wheel, without a network: neither setuptools nor wheel is asked for."""
+        for options in ([], ["--no-build-isolation"]):
+            with self.subTest(options=options):
+                python = self.venv("plain" + "".join(options))
+                self.pip("--python", python, "install", "--no-index", *options, self.source)
+                self.assertIn("site-packages", run(python, "-c", "import photond; print(photond.__file__)", cwd=self.folder))
+        self.check_installed(python)
+
     def test_its_version_is_the_daemons(self):
         declared = re.search(r"project\(photond VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
         self.assertIn(f'"{declared}"', (PACKAGE / "photond" / "_version.py").read_text())

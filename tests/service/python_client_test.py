@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import threading
+import types
 import unittest
 import unittest.mock
 
@@ -270,6 +271,45 @@ class Jobs(Case):
         job.wait(on_event=lambda job, event: grown.append(len(job.curve)))
         self.assertEqual(grown, sorted(grown))
         self.assertGreater(len(set(grown)), 2)
+
+    def test_render_waits_no_longer_than_it_is_told_to(self):
+        label = {"limited": "1"}
+        with self.assertRaises(photond.TimedOut):
+            self.client.render("cornell-box", width=32, height=32, seconds=600, labels=label, timeout=0.3)
+        [job] = self.client.jobs(label="limited=1")
+        self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{job.id}?purge=true")
+        self.assertIn(job.state, ("queued", "running"))
+
+    def test_progress_is_told_to_a_function_and_on_standard_error(self):
+        seen = []
+        job = self.client.render("furnace", **SMALL, progress=lambda job: seen.append((job.id, job.state, job.progress)))
+        self.assertEqual(seen[-1], (job.id, "succeeded", 1))
+        for progress, said in ((True, "succeeded, 2/2 passes"), (None, None), (False, None)):
+            with self.subTest(progress=progress), contextlib.redirect_stderr(io.StringIO()) as told:
+                self.client.render("furnace", **SMALL, progress=progress)
+                self.assertEqual(told.getvalue(), "") if said is None else self.assertIn(said, told.getvalue())
+
+    def test_a_notebook_shows_one_bar_that_is_updated(self):
+        shown = []
+
+        class Handle:
+            def update(self, picture):
+                shown.append(("updated", picture))
+
+        def display(picture, display_id):
+            shown.append(("displayed", picture))
+            return Handle()
+
+        shell = types.SimpleNamespace(kernel=object())  # what a notebook's has and a terminal's has not
+        ipython = types.SimpleNamespace(get_ipython=lambda: shell, display=types.SimpleNamespace(display=display))
+        with unittest.mock.patch.dict(sys.modules, {"IPython": ipython, "IPython.display": ipython.display}):
+            self.client.render("furnace", **SMALL)
+            self.client.render("furnace", **SMALL, progress=False)
+        self.assertEqual([how for how, _ in shown], ["displayed"] + ["updated"] * (len(shown) - 1))
+        self.assertGreater(len(shown), 1)
+        last = shown[-1][1]
+        self.assertIn('value="1.000"', last._repr_html_())
+        self.assertRegex(repr(last), r"^J\d+ succeeded, 2/2 passes")  # where nobody shows HTML
 
     def test_a_timeout_leaves_the_job_running(self):
         job = self.long_job()
@@ -579,6 +619,19 @@ class Help(Case):
         self.assertIn("photon_mapping", str(self.client.methods))
         self.assertEqual(set(self.client.methods), {m["name"] for m in self.daemon.request("GET", "/v1/methods").json["items"]})
 
+    def test_a_misspelt_argument_is_a_fault_of_the_call_that_was_made(self):
+        for call, arguments, said in (
+                (self.client.render, {"pases": 1}, r"^Client\.render\(\) has no argument 'pases'; did you mean 'passes'\?$"),
+                (self.client.sequence, {"frmes": 2}, r"^Client\.sequence\(\) has no argument 'frmes'; did you mean 'frames'\?$"),
+                (self.client.compare, {"entries": [], "sceds": 1}, r"^Client\.compare\(\) has no argument 'sceds'; did you mean 'seeds'\?$"),
+                (self.client.submit, {"photons": 5}, r"^Client\.submit\(\) .*parameters=\{'photons': 5\}$"),
+                (self.client.submit, {"timeout": 5}, r"^Client\.submit\(\) has no argument 'timeout'"),  # it does not wait
+                (self.client.render, {"scene": "furnace"}, r"^Client\.render\(\): multiple values for argument 'scene'$")):
+            with self.subTest(arguments=arguments), self.assertRaisesRegex(TypeError, said):
+                call("furnace", **arguments)
+        with self.assertRaisesRegex(TypeError, r"^Client\.render\(\): missing a required argument: 'scene'$"):
+            self.client.render()
+
     def test_help_has_the_arguments(self):
         import inspect
         arguments = inspect.signature(photond.Client.render).parameters
@@ -642,7 +695,7 @@ class Doors(Case):
         self.assertEqual(self.client.devices(), self.daemon.request("GET", "/v1/devices").json["items"])
         self.assertIn("# HELP", self.client.metrics_text())
         estimate = self.client.estimate("cornell-box", width=64, height=64, passes=4)
-        self.assertRegex(str(estimate), r"^memory [\d.]+ MiB; time ")
+        self.assertRegex(str(estimate), r"^memory [\d.]+ MB; time ")
 
 
 if __name__ == "__main__":

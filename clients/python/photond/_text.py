@@ -14,14 +14,14 @@ def _three_digits(value: float) -> str:
 def human_bytes(count: Optional[float]) -> str:
     """
     >>> human_bytes(1.8e6)
-    '1.72 MiB'
+    '1.80 MB'
     """
     if count is None:
         return "-"
-    units = ("B", "KiB", "MiB", "GiB", "TiB")
+    units = ("B", "kB", "MB", "GB", "TB")
     unit = 0
-    while count >= 1023.5 and unit + 1 < len(units):
-        count /= 1024
+    while count >= 999.5 and unit + 1 < len(units):
+        count /= 1000
         unit += 1
     return (f"{count:.0f}" if unit == 0 else _three_digits(count)) + " " + units[unit]
 
@@ -45,6 +45,14 @@ def human_seconds(seconds: Optional[float]) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60:02d} s"
     return f"{whole // 3600} h {whole // 60 % 60:02d} min"
+
+
+def counted(count: int, one: str, several: str = "") -> str:
+    """
+    >>> counted(1, "frame"), counted(2, "frame"), counted(0, "entry", "entries")
+    ('1 frame', '2 frames', '0 entries')
+    """
+    return f"{count} {one if count == 1 else several or one + 's'}"
 
 
 def human_number(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 import inspect
 from typing import (TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
@@ -45,23 +46,54 @@ class Estimate(NamedTuple):
         return f"memory {human_bytes(self.memory_bytes)}{device}; time {time}"
 
 
-def _takes(build: "Callable[Concatenate[Client, P], S]"
+OF_WAITING = ("timeout", "progress")
+
+
+def _takes(build: "Callable[Concatenate[Client, P], S]", waits: bool = False
            ) -> "Callable[[Callable[[Client, S], R]], Callable[Concatenate[Client, P], R]]":
-    """Makes a method of what takes a submission: its arguments are those that build it."""
+    """Makes a method of what takes a submission: its arguments are those that build it, without those of waiting where it
+    does not wait. What is wrong with them is a TypeError of the method that was called."""
 
     def decorate(take: "Callable[[Client, S], R]") -> "Callable[Concatenate[Client, P], R]":
+        parameters = _parameters_of(build, () if waits else OF_WAITING)
+
         @functools.wraps(take)
         def method(client: "Client", /, *arguments: "P.args", **named: "P.kwargs") -> R:
+            _check_names(f"{take.__qualname__}()", list(parameters)[1:], named)
+            try:
+                signature.bind(client, *arguments, **named)
+            except TypeError as error:
+                raise TypeError(f"{take.__qualname__}(): {error}") from None
             return take(client, build(client, *arguments, **named))
 
-        parameters = list(inspect.signature(build).parameters.values())
-        parameters[0] = parameters[0].replace(name="self", annotation=inspect.Parameter.empty)
-        returns = inspect.signature(take).return_annotation
-        method.__signature__ = inspect.Signature(parameters, return_annotation=returns)  # type: ignore[attr-defined]
+        signature = inspect.Signature(list(parameters.values()), return_annotation=inspect.signature(take).return_annotation)
+        method.__signature__ = signature  # type: ignore[attr-defined]
         method.__doc__ = f"{inspect.getdoc(take)}\n\n{inspect.getdoc(build)}"
         return method
 
     return decorate
+
+
+def _parameters_of(build: Callable[..., Any], without: Sequence[str]) -> Dict[str, inspect.Parameter]:
+    """By name, the client as `self`; in the place of **job stand those of a job that the function has not itself."""
+    own = list(inspect.signature(build).parameters.values())
+    if own[-1].kind is inspect.Parameter.VAR_KEYWORD:
+        names = {parameter.name for parameter in own}
+        of_a_job = inspect.signature(requests.job_request).parameters.values()
+        own[-1:] = [parameter for parameter in of_a_job if parameter.name not in names]
+    own[0] = own[0].replace(name="self", annotation=inspect.Parameter.empty)
+    return {parameter.name: parameter for parameter in own if parameter.name not in without}
+
+
+def _check_names(call: str, known: List[str], given: Mapping[str, Any]) -> None:
+    for name, value in given.items():
+        if name in known:
+            continue
+        near = difflib.get_close_matches(name, known, 1)
+        hint = (f"did you mean {near[0]!r}?" if near else
+                f"a method's own parameters are given as parameters={{{name!r}: {value!r}}}" if "parameters" in known else
+                f"its arguments are {', '.join(known)}")
+        raise TypeError(f"{call} has no argument {name!r}; {hint}")
 
 
 class Client(Daemon):
@@ -213,10 +245,17 @@ class Client(Daemon):
         """
         return self._submit(submission)
 
-    @_takes(requests.job_request)
+    @_takes(requests.job_request, waits=True)
     def render(self, submission: Submission) -> Job:
-        """Queues a render and waits for it. Raises JobFailed or JobCancelled; Ctrl-C leaves it running."""
-        return self._submit(submission).wait()
+        """Queues a render and waits for it. Raises JobFailed or JobCancelled, and TimedOut after `timeout` seconds; the job
+        goes on then, and after Ctrl-C.
+
+        >>> client.render("furnace", width=8, height=8, pases=1)
+        Traceback (most recent call last):
+            ...
+        TypeError: Client.render() has no argument 'pases'; did you mean 'passes'?
+        """
+        return self._submit(submission).wait(submission.timeout, progress=submission.progress)
 
     @_takes(requests.job_request)
     def estimate(self, submission: Submission) -> Estimate:
@@ -287,11 +326,11 @@ class Client(Daemon):
         """Queues a comparison and all its jobs and returns at once; `.wait()` follows it."""
         return self._submit_comparison(submission)
 
-    @_takes(requests.comparison_request)
+    @_takes(requests.comparison_request, waits=True)
     def compare(self, submission: ComparisonSubmission) -> Comparison:
         """Which method reaches which error first: renders with each, one job at a time on a device, and measures. Raises
-        ComparisonFailed; Ctrl-C leaves it running."""
-        return self._submit_comparison(submission).wait()
+        ComparisonFailed, and TimedOut after `timeout` seconds; it goes on then, and after Ctrl-C."""
+        return self._submit_comparison(submission).wait(submission.timeout, progress=submission.progress)
 
     @_takes(requests.comparison_request)
     def estimate_comparison(self, submission: ComparisonSubmission) -> Estimate:
@@ -321,10 +360,11 @@ class Client(Daemon):
         """Queues a sequence and all its frames and returns at once; `.wait()` follows it."""
         return self._submit_sequence(submission)
 
-    @_takes(requests.sequence_request)
+    @_takes(requests.sequence_request, waits=True)
     def sequence(self, submission: SequenceSubmission) -> Frames:
-        """Renders frames of a moving scene, or along a path of the camera. Raises SequenceFailed; Ctrl-C leaves it running."""
-        return self._submit_sequence(submission).wait()
+        """Renders frames of a moving scene, or along a path of the camera. Raises SequenceFailed, and TimedOut after
+        `timeout` seconds; it goes on then, and after Ctrl-C."""
+        return self._submit_sequence(submission).wait(submission.timeout, progress=submission.progress)
 
     def _submit_sequence(self, submission: SequenceSubmission) -> Frames:
         return Frames(self, self.send("POST", "/v1/sequences", submission.body,

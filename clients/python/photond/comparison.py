@@ -6,12 +6,13 @@ from typing import Any, Callable, Dict, List, Optional, Union, cast
 
 from ._daemon import Daemon
 from ._files import Path
-from ._text import TextTable, human_bytes, human_error, human_number, human_seconds, row_name
+from ._text import TextTable, counted, human_bytes, human_error, human_number, human_seconds, row_name
 from .bias import BiasMap
 from .curves import Curve, MeanCurve, drawable, time_to_error
 from .errors import PhotondError
 from .job import Job
 from .plots import plot_curves
+from .progress import Progress, shown
 from .work import JobGroup
 from .shapes import Json, TableRow, WelchMap
 
@@ -95,10 +96,11 @@ class Comparison(JobGroup):
 
     # --- following and changing it --------------------------------------------------------------------------------------
     def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
-             on_change: Optional[Callable[["Comparison"], object]] = None) -> "Comparison":
+             on_change: Optional[Callable[["Comparison"], object]] = None,
+             progress: "Progress[Comparison]" = None) -> "Comparison":
         """Until all its jobs are over. Raises TimedOut after `timeout` seconds (it goes on), and with `check`
-        ComparisonFailed where not all succeeded."""
-        self._follow(timeout, cancel_on_interrupt, on_change)
+        ComparisonFailed where not all succeeded. `progress` as for a job's."""
+        self._follow(timeout, cancel_on_interrupt, on_change, shown(progress))
         if check and self.state != "succeeded":
             raise ComparisonFailed(self, self._failure_text())
         return self
@@ -253,7 +255,7 @@ class Comparison(JobGroup):
     def __repr__(self) -> str:
         image = self.request["image"]
         return (f"<Comparison {self.id} {self.state}: {self.request['scene']}, {image['width']} x {image['height']}, "
-                f"{len(self.request['entries'])} entries>")
+                f"{counted(len(self.request['entries']), 'entry', 'entries')}>")
 
     def _repr_html_(self) -> Optional[str]:
         if not self.metrics:

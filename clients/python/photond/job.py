@@ -11,10 +11,11 @@ from ._daemon import Daemon
 from ._events import EventParser, ServerEvent
 from ._files import Path
 from ._http import ConnectionLost
-from ._text import human_error, human_number, human_seconds
+from ._text import counted, human_error, human_number, human_seconds
 from .curves import Interval
 from .errors import NothingYet, PhotondError, TimedOut, WithProblem
 from .pixels import Pixels
+from .progress import Progress, shown
 from .shapes import CurvePoint, Json, Stop
 from .work import OVER, Work, stop_of
 
@@ -42,11 +43,11 @@ class Event:
         return self.changes.get("id")
 
     def __repr__(self) -> str:
-        shown = [f"{key} {human_number(value)}" for key, value in self.changes.items()
+        values = [f"{key} {human_number(value)}" for key, value in self.changes.items()
                  if key != "id" and isinstance(value, (str, int, float))]
         if "curve" in self.changes:
-            shown.append(f"{len(self.changes['curve'] or [])} points")
-        return f"<Event {self.kind} of {self.job}: {', '.join(shown)}>"
+            values.append(counted(len(self.changes["curve"] or []), "point"))
+        return f"<Event {self.kind} of {self.job}: {', '.join(values)}>"
 
 
 def parsed(event: ServerEvent) -> Optional[Event]:
@@ -157,14 +158,26 @@ class Job(Work):
 
     # --- following it -------------------------------------------------------------------------------------------------
     def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
-             on_event: Optional[Callable[["Job", Event], object]] = None) -> "Job":
+             on_event: Optional[Callable[["Job", Event], object]] = None, progress: "Progress[Job]" = None) -> "Job":
         """Until it is over, by the event stream, or by asking again where there is none. Raises TimedOut after `timeout`
         seconds (the job goes on), and with `check` JobFailed or JobCancelled. `on_event(job, event)` is called at each
-        change. Ctrl-C leaves the job running unless it is to be cancelled."""
+        change. `progress`: True shows how far it is, a function is called with the job at each change; not said, it is shown
+        in a notebook. Ctrl-C leaves the job running unless it is to be cancelled.
+
+        >>> looks = []
+        >>> job = client.submit("furnace", width=16, height=8, passes=4).wait(progress=lambda job: looks.append(job.state))
+        >>> looks[-1]
+        'succeeded'
+        """
+        show = shown(progress)
         try:
             for event in self.events(timeout):
                 if on_event is not None:
                     on_event(self, event)
+                if show is not None and not self.is_over:
+                    show(self)
+            if show is not None:
+                show(self)
         except KeyboardInterrupt:
             if cancel_on_interrupt:
                 self.cancel()
@@ -290,7 +303,8 @@ class Job(Work):
         """
         stop: Stop = cast(Stop, self.request.get("stop") or {})
         passes = stop.get("passes")
-        words = [f"{self.id} {self.state}", f"{self.passes_done}{f'/{passes}' if passes else ''} passes",
+        of = f"{self.passes_done}/" if passes else ""
+        words = [f"{self.id} {self.state}", of + counted(passes or self.passes_done, "pass", "passes"),
                  human_seconds(self.seconds)]
         error = self.data.get("error_now")
         if error and (error["value"] is not None or error.get("interval")):

@@ -10,6 +10,7 @@ from ._daemon import Daemon
 from ._files import IMAGE_SUFFIXES, looks_like_scene_path
 from .job import Job
 from .methods import Method
+from .progress import Progress
 from .scene import Scene, UploadedImage
 from .shapes import (Camera, CameraKey, ComparisonRequest, Entry, Environment, JobMethod, JobRequest, LookAt, MadeReference,
                      SequenceRequest, Stop)
@@ -29,16 +30,22 @@ class Submission(NamedTuple):
 
     body: JobRequest
     idempotency_key: str
+    timeout: Optional[float] = None
+    progress: Progress[Any] = None
 
 
 class ComparisonSubmission(NamedTuple):
     body: ComparisonRequest
     idempotency_key: str
+    timeout: Optional[float] = None
+    progress: Progress[Any] = None
 
 
 class SequenceSubmission(NamedTuple):
     body: SequenceRequest
     idempotency_key: str
+    timeout: Optional[float] = None
+    progress: Progress[Any] = None
 
 
 def random_key() -> str:
@@ -198,7 +205,8 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
                 shutter: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                 metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
                 labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
-                idempotency_key: Optional[str] = None) -> Submission:
+                idempotency_key: Optional[str] = None, timeout: Optional[float] = None,
+                progress: Progress[Any] = None) -> Submission:
     """
     scene        a Scene, its name or id, or a path (.glb, .zip, .gltf with its files, a folder), which is uploaded
     method       name, `client.methods[name]`, or that called with parameters; `device` and `parameters` add to it
@@ -213,6 +221,8 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
     first_pass   for one part of a larger job, see `Client.merge`
     quiet_machine    seconds to wait at most until nothing else runs on the daemon's machine
     idempotency_key    the same key and request is the same submission; default: random
+    timeout, progress    of what waits (`render`): seconds, and True or a function that is called with the job at each change;
+                 progress not said is shown in a notebook
     """
     body = _rendered(client, scene, width, height, filter, stop_of(passes, seconds, target) or {"passes": DEFAULT_PASSES},
                      layers, camera, environment, glass, animation, time, shutter, reference, metrics, priority, labels, quiet_machine)
@@ -221,7 +231,7 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
         body["first_pass"] = first_pass
     if seed is not None:
         body["seed"] = seed
-    return Submission(cast(JobRequest, body), idempotency_key or random_key())
+    return Submission(cast(JobRequest, body), idempotency_key or random_key(), timeout, progress)
 
 
 def sequence_request(client: Daemon, /, scene: SceneLike, method: MethodLike = "path_tracing", *,
@@ -250,7 +260,7 @@ def sequence_request(client: Daemon, /, scene: SceneLike, method: MethodLike = "
         body["camera_path"] = {"turns": turns}
     elif keys is not None:
         body["camera_path"] = {"keys": list(keys)}
-    return SequenceSubmission(cast(SequenceRequest, body), single.idempotency_key)
+    return SequenceSubmission(cast(SequenceRequest, body), *single[1:])
 
 
 def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[EntryLike], *, width: int = 512,
@@ -263,7 +273,8 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
                 shutter: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                        metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
                        labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
-                       idempotency_key: Optional[str] = None) -> ComparisonSubmission:
+                       idempotency_key: Optional[str] = None, timeout: Optional[float] = None,
+                       progress: Progress[Any] = None) -> ComparisonSubmission:
     """
     entries      rows of the tables: method names, `client.methods[...]`, or `entry(...)` with label and sweep
     seeds        repeat every job with each of these, for 95 % intervals
@@ -278,7 +289,7 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
     body["entries"] = rows
     if seeds is not None:
         body["seeds"] = list(seeds)
-    return ComparisonSubmission(cast(ComparisonRequest, body), idempotency_key or random_key())
+    return ComparisonSubmission(cast(ComparisonRequest, body), idempotency_key or random_key(), timeout, progress)
 
 
 __all__ = ["entry", "look_at", "reference"]

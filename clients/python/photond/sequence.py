@@ -6,8 +6,10 @@ import os
 from typing import Callable, Iterable, Iterator, List, Optional, cast
 
 from ._files import Path
+from ._text import counted
 from .errors import PhotondError
 from .job import Job
+from .progress import Progress, shown
 from .shapes import Frame, SequenceErrors
 from .work import JobGroup
 
@@ -44,15 +46,19 @@ class Sequence(JobGroup):
         return (Job.fetch(self._client, frame["id"]) for frame in self.frames)
 
     def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
-             on_change: Optional[Callable[["Sequence"], object]] = None) -> "Sequence":
+             on_change: Optional[Callable[["Sequence"], object]] = None,
+             progress: "Progress[Sequence]" = None) -> "Sequence":
         """Until all frames are over. Raises TimedOut after `timeout` seconds (it goes on), and with `check` SequenceFailed
-        where not all succeeded."""
-        self._follow(timeout, cancel_on_interrupt, on_change)
+        where not all succeeded. `progress` as for a job's."""
+        self._follow(timeout, cancel_on_interrupt, on_change, shown(progress))
         if check and self.state != "succeeded":
             wrong = [str(frame["frame"]) for frame in self.frames if frame["state"] != "succeeded"]
             raise SequenceFailed(self, f"sequence {self.id} {self.state}: frames " + ", ".join(wrong[:10]) +
                                  (" ..." if len(wrong) > 10 else ""))
         return self
+
+    def __repr__(self) -> str:
+        return f"<{self.describe().capitalize()}: {self.request['scene']}, {counted(self.request['frames'], 'frame')}>"
 
     def errors(self, first: "Sequence", second: "Sequence", *, layer: str = "beauty") -> SequenceErrors:
         """By frame its error, its flicker and its lag against two sequences of the same frames, whose seeds differ by more

@@ -30,6 +30,10 @@ class Work(Resource):
         """0 to 1."""
         return float(self.data["progress"])
 
+    def describe(self) -> str:
+        """One line: what it is, its state and how far it is."""
+        return f"{self.kind[:-1]} {self.id} {self.state}, {self.progress:.0%}"
+
     @property
     def request(self) -> Json:
         """As the daemon understood it, every default filled in."""
@@ -60,8 +64,8 @@ class JobGroup(Work):
         self._client.send("DELETE", self._path(), query={"purge": True})
 
     def _follow(self: G, timeout: Optional[float], cancel_on_interrupt: bool,
-                on_change: Optional[Callable[[G], object]]) -> None:
-        """Asks until it is over. Raises TimedOut after `timeout` seconds; it goes on then."""
+                on_change: Optional[Callable[[G], object]], show: Optional[Callable[[G], object]]) -> None:
+        """Asks until it is over. Raises TimedOut after `timeout` seconds; it goes on then. `show`: once more at the end."""
         deadline = None if timeout is None else time.monotonic() + timeout
         pause = POLL_SECONDS
         try:
@@ -70,6 +74,8 @@ class JobGroup(Work):
                 self._look()
                 if on_change is not None and self.data != before:
                     on_change(self)
+                if show is not None and (self.data != before or self.is_over):
+                    show(self)
                 if self.is_over:
                     return
                 left = pause if deadline is None else min(pause, deadline - time.monotonic())
