@@ -138,6 +138,12 @@ void read_image(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest&
     reader.finish();
 }
 
+std::string enumerated(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
 // "cpu", "gpu" or "gpu:N".
 bool is_device(const std::string& device) {
     if (device == "cpu" || device == "gpu") return true;
@@ -169,7 +175,8 @@ JobMethod read_method(const json& source, const std::string& pointer, const JobV
         const std::string kind = method.device.substr(0, 3);
         if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
             faults.add(ErrorCode::Unsupported, reader.at("device"),
-                       "unsupported: the method \"" + *name + "\" does not run on a " + kind);
+                       "unsupported: the method \"" + *name + "\" does not run on a " + kind + ", only on a " +
+                           enumerated(kinds));
     }
     const std::unique_ptr<MethodParams> params = vocabulary.make_params(*name);
     std::vector<Fault> found;
@@ -285,12 +292,14 @@ void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
         const auto& known = vocabulary.layer_names;
         if (std::find(known.begin(), known.end(), name) == known.end())
             faults.add(ErrorCode::UnknownName, pointer,
-                       value_text(layer) + " is no layer on request" + did_you_mean(name, known));
+                       value_text(layer) + " is no layer on request" + did_you_mean(name, known) + "; there are " +
+                           enumerated(method_known ? of_method : known));
         else if (std::find(request.layers.begin(), request.layers.end(), name) != request.layers.end())
             faults.add(ErrorCode::Conflict, pointer, value_text(layer) + " is named twice");
         else if (method_known && std::find(of_method.begin(), of_method.end(), name) == of_method.end())
             faults.add(ErrorCode::Unsupported, pointer,
-                       "unsupported: " + request.method.name + " has no layer " + value_text(layer));
+                       "unsupported: " + request.method.name + " has no layer " + value_text(layer) + "; it has " +
+                           enumerated(of_method));
         else
             request.layers.push_back(name);
     }

@@ -94,10 +94,13 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
                                {"aperture", or_null(in_range(typed("number", "lens radius, m"), 0, 1e6))},
                                {"focus_distance", or_null(in_range(typed("number", "m"), 1e-6, 1e12))}},
                               {});
-    const json image = taken({{"width", in_range(typed("integer"), 1, vocabulary.max_width)},
-                              {"height", in_range(typed("integer"), 1, vocabulary.max_height)},
-                              {"filter", or_null(one_of_words({"box", "gaussian", "blackman_harris"}))}},
-                             {"width", "height"});
+    const std::string size_text =
+        "width times height is at most " + std::to_string(vocabulary.max_pixels) + " pixels (photond --max-pixels)";
+    const json image = with_text(taken({{"width", in_range(typed("integer"), 1, vocabulary.max_width)},
+                                        {"height", in_range(typed("integer"), 1, vocabulary.max_height)},
+                                        {"filter", or_null(one_of_words({"box", "gaussian", "blackman_harris"}))}},
+                                       {"width", "height"}),
+                                 size_text.c_str());
     json layers = list_of(one_of_words(vocabulary.layers));
     layers["uniqueItems"] = true;
     json metrics = list_of(metric_name(vocabulary.metrics, vocabulary.radiance_layers));

@@ -30,6 +30,7 @@ struct ApiVocabulary {
     };
     std::vector<Artefact> artefacts;  // that methods leave beside the image
     uint32_t max_width = 65536, max_height = 65536;
+    uint64_t max_pixels = 0;  // width * height
 };
 
 /// The link of an artefact in a job: its name without the suffix.

@@ -68,40 +68,33 @@ uint64_t machine_memory_bytes() {
 }
 
 void add_limits(CLI::App& app, Limits& limits) {
-    app.add_option("--max-body", limits.max_body_bytes, "bytes of an upload")->group("Limits");
-    app.add_option("--max-json", limits.max_json_bytes, "bytes of a JSON body")->group("Limits");
-    app.add_option("--max-pixels", limits.max_pixels, "pixels of a job's image")->group("Limits");
-    app.add_option("--max-queue", limits.max_queue, "jobs waiting")->group("Limits");
-    app.add_option("--max-connections", limits.max_connections, "connections open at once")->group("Limits");
-    app.add_option("--max-rate", limits.max_requests_per_second,
-                   "requests per second of one token, or of one address without; 0: no limit")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber)
-        ->group("Limits");
-    app.add_option("--answer-memory", limits.answer_memory_bytes,
-                   "bytes of answers that lie in memory until they are read")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--disk-reserve", limits.disk_reserve_bytes, "bytes of disk never used")->group("Limits");
-    app.add_option("--max-job-seconds", limits.max_job_seconds, "seconds one attempt may take; 0: no limit")
-        ->check(CLI::NonNegativeNumber)
-        ->group("Limits");
-    app.add_option("--head-timeout", limits.head_timeout_seconds, "seconds for a request's head")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--body-timeout", limits.body_timeout_seconds, "seconds for a request's body")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--heartbeat-timeout", limits.heartbeat_timeout_seconds, "seconds a worker may be silent")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--helper-timeout", limits.helper_timeout_seconds, "seconds to judge or encode one thing")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--grace", limits.shutdown_grace_seconds, "seconds from SIGTERM to the end")
-        ->check(CLI::PositiveNumber)
-        ->group("Limits");
-    app.add_option("--cache-bytes", limits.artefact_cache_bytes, "bytes of encoded images kept")->group("Limits");
+    const auto add = [&app](const char* name, auto& value, const char* type, const char* text) {
+        return app.add_option(name, value, text)->type_name(type)->capture_default_str()->group("Limits");
+    };
+    const auto at_least_0 = CLI::NonNegativeNumber.description(""), above_0 = CLI::PositiveNumber.description("");
+    add("--max-body", limits.max_body_bytes, "BYTES", "bytes of an upload");
+    add("--max-json", limits.max_json_bytes, "BYTES", "bytes of a JSON body");
+    add("--max-pixels", limits.max_pixels, "INT",
+        "pixels of a job's image, width times height; a side has at most 65536");
+    add("--max-queue", limits.max_queue, "INT", "jobs waiting");
+    add("--max-connections", limits.max_connections, "INT", "connections open at once");
+    add("--max-rate", limits.max_requests_per_second, "NUMBER",
+        "requests per second of one token, or of one address without; 0: no limit")
+        ->check(at_least_0);
+    add("--answer-memory", limits.answer_memory_bytes, "BYTES",
+        "bytes of answers that lie in memory until they are read")
+        ->check(above_0);
+    add("--disk-reserve", limits.disk_reserve_bytes, "BYTES", "bytes of disk never used");
+    add("--max-job-seconds", limits.max_job_seconds, "SECONDS", "seconds one attempt may take; 0: no limit")
+        ->check(at_least_0);
+    add("--head-timeout", limits.head_timeout_seconds, "SECONDS", "seconds for a request's head")->check(above_0);
+    add("--body-timeout", limits.body_timeout_seconds, "SECONDS", "seconds for a request's body")->check(above_0);
+    add("--heartbeat-timeout", limits.heartbeat_timeout_seconds, "SECONDS", "seconds a worker may be silent")
+        ->check(above_0);
+    add("--helper-timeout", limits.helper_timeout_seconds, "SECONDS", "seconds to judge or encode one thing")
+        ->check(above_0);
+    add("--grace", limits.shutdown_grace_seconds, "SECONDS", "seconds from SIGTERM to the end")->check(above_0);
+    add("--cache-bytes", limits.artefact_cache_bytes, "BYTES", "bytes of encoded images kept");
 }
 
 /// Makes the settings whole; throws photond::Error where they contradict each other.
@@ -168,27 +161,45 @@ int main(int argc, char** argv) {
     options.data_dir = default_data_dir();
     std::string listen = "127.0.0.1:8080", log_level = "info", new_token;
     bool check = false, repair = false;
-    CLI::App app{"Global-illumination render service"};
+    CLI::App app{"Global-illumination render service", "photond"};
+    app.get_formatter()->column_width(38);
     app.set_version_flag("--version", std::string("photond ") + PHOTOND_VERSION);
-    app.add_option("--data", options.data_dir, "folder of everything the service keeps")->capture_default_str();
-    app.add_option("--listen", listen, "ADDRESS:PORT; port 0 picks a free one")->capture_default_str();
-    app.add_option("--devices", options.devices, "one worker process each")->delimiter(',')->capture_default_str();
-    app.add_option("--memory-limit", options.memory_limit_bytes,
-                   "bytes a job may hold in a worker; default 75 % of RAM, or what ulimit -v leaves");
-    app.add_option("--threads", options.threads, "threads of each CPU worker; default all cores");
-    app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness")
-        ->check(CLI::Range(0, 19))
+    app.add_option("--data", options.data_dir, "folder of everything the service keeps")
+        ->type_name("FOLDER")
+        ->default_str("~/.local/share/photond");
+    app.add_option("--listen", listen, "where it can be reached; port 0 picks a free one")
+        ->type_name("ADDRESS:PORT")
+        ->capture_default_str();
+    app.add_option("--devices", options.devices, "one worker process each")
+        ->type_name("DEVICE,DEVICE")
+        ->expected(1)
+        ->delimiter(',')
+        ->take_all()
+        ->default_str("cpu");
+    app.add_option("--memory-limit", options.memory_limit_bytes, "bytes a job may hold in a worker")
+        ->type_name("BYTES")
+        ->default_str("75 % of RAM, or what ulimit -v leaves");
+    app.add_option("--threads", options.threads, "threads of each CPU worker")
+        ->type_name("INT")
+        ->default_str("all cores");
+    app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness, 0 to 19")
+        ->type_name("INT")
+        ->check(CLI::Range(0, 19).description(""))
         ->capture_default_str();
     app.add_option("--save-seconds", options.save_seconds,
                    "seconds between two savings of a running job's film, from which it goes on when its worker is "
                    "lost; 0: never")
-        ->check(CLI::NonNegativeNumber)
+        ->type_name("SECONDS")
+        ->check(CLI::NonNegativeNumber.description(""))
         ->capture_default_str();
     app.add_option("--repeats", options.repeats,
-                   "times a comparison's job is repeated at most that lost processor time to other processes")
-        ->check(CLI::Range(0, 10))
+                   "times a comparison's job is repeated at most that lost processor time to other processes, 0 to 10")
+        ->type_name("INT")
+        ->check(CLI::Range(0, 10).description(""))
         ->capture_default_str();
-    app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
+    app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line")
+        ->type_name("FILE")
+        ->default_str("none: whoever reaches the address may do everything");
     app.add_flag("--check", check,
                  "with no daemon running: lists what is wrong with the data folder, changes nothing, and ends, with "
                  "status 2 where something is");
@@ -196,9 +207,12 @@ int main(int argc, char** argv) {
                  "with no daemon running: takes films that no row knows, quarantines what cannot be told, marks jobs "
                  "whose files are gone as result_lost, and ends")
         ->excludes("--check");
-    app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
+    app.add_option("--log-level", log_level, "how much is logged")
+        ->type_name("debug|info|warning|error")
+        ->capture_default_str();
     app.add_option("--new-token", new_token,
-                   "NAME:read or NAME:write; prints a token and its line for the file, and ends");
+                   "NAME:read or NAME:write; prints a token and its line for the file, and ends")
+        ->type_name("NAME:ROLE");
     add_limits(app, options.limits);
     CLI11_PARSE(app, argc, argv);
     spdlog::set_level(spdlog::level::from_str(log_level));

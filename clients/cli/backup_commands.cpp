@@ -46,7 +46,7 @@ fs::path place_below(const fs::path& folder, const std::string& path) {
 }
 
 std::string summary(const json& backup) {
-    return std::to_string(backup.at("files").size()) + " files, " + human_bytes(backup.at("bytes").get<double>());
+    return counted(backup.at("files").size(), "file") + ", " + human_bytes(backup.at("bytes").get<double>());
 }
 
 void fetch(Session& session, const json& backup, const std::string& resource, const std::string& folder) {

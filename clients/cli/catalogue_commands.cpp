@@ -90,11 +90,13 @@ ExitCode show_devices(Session& session) {
     for (const json& device : devices) {
         if (session.json_output) session.print_json(device);
         const json memory = device.value("memory_bytes", json());
-        const json software = device.value("software", json());
+        const json kind = device.value("kind", json());
+        // A processor is what it says; only a GPU can be one in name alone.
+        const bool in_software = kind == "gpu" && device.value("software", json()) == true;
         table.add_row({plain_text(device.value("id", json())), state_of(device),
                        plain_text(device.value("name", json())), plain_text(device.value("driver", json())),
                        memory.is_number() ? human_bytes(memory.get<double>()) : "-",
-                       plain_text(device.value("kind", json())) + (software == true ? ", software" : "")});
+                       plain_text(kind) + (in_software ? ", software" : "")});
     }
     if (session.json_output) return ExitCode::Ok;
     table.print(std::cout);

@@ -22,7 +22,7 @@ void add_jobs_commands(CLI::App& program, Session& session);
 void add_catalogue_commands(CLI::App& program, Session& session);
 /// compare SCENE
 void add_compare_command(CLI::App& program, Session& session);
-/// comparisons list|show|watch|cancel|fetch
+/// comparisons list|show|watch|cancel|remove|fetch
 void add_comparisons_commands(CLI::App& program, Session& session);
 /// hard-cases
 void add_hard_cases_command(CLI::App& program, Session& session);
@@ -39,7 +39,9 @@ struct RenderVocabulary {
     bool known = false;      // the daemon was asked and has that method
 };
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
-/// sequence SCENE, and sequences list|show|watch|cancel|fetch
+/// repeat IMAGE
+void add_repeat_command(CLI::App& program, Session& session);
+/// sequence SCENE, and sequences list|show|watch|cancel|remove|fetch
 void add_sequence_commands(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
 
 /// The whole program. Throws nothing but what CLI11 throws for a defect of ours.

@@ -6,6 +6,7 @@
 #include "clients/cli/compare_memory.h"
 #include "clients/cli/comparison_view.h"
 #include "clients/cli/job_follower.h"
+#include "clients/cli/output_file.h"
 #include "clients/cli/progress_view.h"
 #include "clients/cli/reference_option.h"
 #include "clients/cli/stop_options.h"
@@ -81,6 +82,9 @@ void ReportOutputs::check() const {
         if (!page.ends_with(".html") && !page.ends_with(".htm"))
             throw Failure(ExitCode::Usage, "cannot tell what to save as " + page,
                           "name it .html (the report), or use --csv or --json-report");
+    for (const std::string& page : html) OutputFile::check_place(page);
+    for (const std::string& file : {csv, json})
+        if (!file.empty()) OutputFile::check_place(file);
 }
 
 void add_report_options(CLI::App& command, ReportOutputs& outputs) {

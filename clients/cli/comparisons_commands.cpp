@@ -1,4 +1,4 @@
-// photonctl comparisons list|show|watch|cancel|fetch
+// photonctl comparisons list|show|watch|cancel|remove|fetch
 
 #include <iostream>
 
@@ -80,13 +80,11 @@ ExitCode watch_comparison(Session& session, const ComparisonsOptions& options) {
 }
 
 ExitCode cancel_comparisons(Session& session, const ComparisonsOptions& options) {
-    for (const std::string& id : options.ids) {
-        const json comparison = session.daemon().send(
-            "DELETE", resource_path("comparisons", id) + (options.purge ? "?purge=true" : ""), nullptr, Repeat::Safely);
-        if (session.json_output && comparison.is_object()) session.print_json(comparison);
-        session.remark(id + (options.purge ? " purged" : " cancelled; what its jobs rendered stays"));
-    }
-    return ExitCode::Ok;
+    return cancel_all(session, "comparisons", options.ids, options.purge, "what its jobs rendered stays");
+}
+
+ExitCode remove_comparisons(Session& session, const ComparisonsOptions& options) {
+    return cancel_all(session, "comparisons", options.ids, true, "");
 }
 
 ExitCode fetch_comparison(Session& session, const ComparisonsOptions& options) {
@@ -101,7 +99,8 @@ ExitCode fetch_comparison(Session& session, const ComparisonsOptions& options) {
 }  // namespace
 
 void add_comparisons_commands(CLI::App& program, Session& session) {
-    CLI::App* comparisons = program.add_subcommand("comparisons", "Comparisons: list, show, watch, cancel, fetch");
+    CLI::App* comparisons =
+        program.add_subcommand("comparisons", "Comparisons: list, show, watch, cancel, remove, fetch");
     comparisons->require_subcommand(1);
     const auto options = std::make_shared<ComparisonsOptions>();
 
@@ -130,6 +129,8 @@ void add_comparisons_commands(CLI::App& program, Session& session) {
     command("cancel", "End comparisons and the jobs they still have; what was rendered stays", kMany,
             cancel_comparisons)
         ->add_flag("--purge", options->purge, "also remove the comparison, its jobs and their files");
+    command("remove", "Remove comparisons with their jobs and files; one that runs is ended first", kMany,
+            remove_comparisons);
     add_report_options(*command("fetch", "Save the report; default: COMPARISON.html", 1, fetch_comparison),
                        options->outputs);
 }

@@ -21,20 +21,22 @@ enum class ExitCode : int {
 
 struct ExitCodeRow {
     ExitCode code;
+    const char* name;  // `code` of a failure in JSON where the daemon gave none
     const char* meaning;
 };
 
 // Printed below `photonctl --help`.
 inline constexpr ExitCodeRow kExitCodes[] = {
-    {ExitCode::Ok, "done"},
-    {ExitCode::JobFailed, "the job failed, or a check of `doctor` or `hard-cases` did"},
-    {ExitCode::Usage, "the command line or a file given on it cannot be used; nothing was sent"},
-    {ExitCode::Unreachable, "the daemon cannot be reached, or was lost for longer than is retried"},
-    {ExitCode::Refused, "the daemon refused; every fault is printed with its place"},
-    {ExitCode::Cancelled, "the job was cancelled"},
-    {ExitCode::TimedOut, "--timeout passed; the job goes on"},
-    {ExitCode::LocalFile, "a result could not be written here"},
-    {ExitCode::Interrupted, "interrupted (Ctrl-C); the job goes on unless --cancel-on-interrupt was given"},
+    {ExitCode::Ok, "ok", "done"},
+    {ExitCode::JobFailed, "job_failed", "the job failed, or a check of `doctor` or `hard-cases` did"},
+    {ExitCode::Usage, "usage", "the command line or a file given on it cannot be used; nothing was sent"},
+    {ExitCode::Unreachable, "unreachable", "the daemon cannot be reached, or was lost for longer than is retried"},
+    {ExitCode::Refused, "refused", "the daemon refused; every fault is printed with its place"},
+    {ExitCode::Cancelled, "cancelled", "the job was cancelled"},
+    {ExitCode::TimedOut, "timed_out", "--timeout passed; the job goes on"},
+    {ExitCode::LocalFile, "local_file", "a result could not be written here"},
+    {ExitCode::Interrupted, "interrupted",
+     "interrupted (Ctrl-C); the job goes on unless --cancel-on-interrupt was given"},
 };
 
 /// Ends the command: what happened, what to do about it, and with which exit code.

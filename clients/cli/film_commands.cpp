@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 ExitCode merge(Session& session, const std::vector<std::string>& ids, const JobOutputs& outputs) {
-    outputs.check();
+    outputs.check(session);
     json job = submit(session, "/v1/jobs/merge", {{"jobs", ids}}, "");
     const std::string id = job.at("id").get<std::string>();
     if (!is_over(job)) job = wait_for_job(session, id, {}, false);
@@ -27,7 +27,7 @@ ExitCode merge(Session& session, const std::vector<std::string>& ids, const JobO
     if (session.json_output) {
         session.print_json(job);
     } else {
-        print_job(session, job);
+        if (!outputs.to_standard_output()) print_job(session, job);
         if (!outputs.any_image()) session.remark("save its image: photonctl jobs fetch " + id + " -o image.exr");
     }
     return exit_code_of(job);

@@ -38,6 +38,8 @@ void check(const HardCasesOptions& options) {
         if (!page.ends_with(".html") && !page.ends_with(".htm"))
             throw Failure(ExitCode::Usage, "cannot tell what to save as " + page,
                           "name it .html (the report), or use --json-report");
+    for (const std::string& page : options.pages) OutputFile::check_place(page);
+    if (!options.json_report.empty()) OutputFile::check_place(options.json_report);
 }
 
 TableOptions table_options(const HardCasesOptions& options) {
@@ -70,14 +72,10 @@ ExitCode list_cases(Session& session, const std::vector<HardCase>& cases) {
 }
 
 void write_file(const Session& session, const std::string& file, const std::string& text) {
-    if (file == "-") {
-        std::cout << text << std::flush;
-        return;
-    }
     OutputFile output(file);
     output.write(text);
     output.publish();
-    session.remark("saved " + file + " (" + human_bytes(static_cast<double>(text.size())) + ")");
+    if (file != "-") session.remark("saved " + file + " (" + human_bytes(static_cast<double>(text.size())) + ")");
 }
 
 void save_reports(const Session& session, const HardCasesOptions& options, const HardCasesTable& table,

@@ -96,7 +96,7 @@ BouncedMethod with_bounces(const TableEntry& entry, std::optional<uint32_t> boun
     }
     const auto number = bounces.value_or(static_cast<uint32_t>(std::min<double>(kManyBounces, most)));
     asked.method["parameters"][parameter.name] = number;
-    if (!bounces) asked.note = std::to_string(number) + " bounces, where the answer has all";
+    if (!bounces) asked.note = counted(number, "bounce") + ", where the answer has all";
     return asked;
 }
 

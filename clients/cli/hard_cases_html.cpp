@@ -38,7 +38,7 @@ std::string item(const std::string& text) { return "<li>" + html_escaped(text) +
 
 std::string bounces_text(const HardCheck& check) {
     if (check.layer == "direct" || check.layer == "emitted") return "";
-    return check.bounces ? ", " + std::to_string(*check.bounces) + " bounces" : ", all bounces";
+    return check.bounces ? ", " + counted(*check.bounces, "bounce") : ", all bounces";
 }
 
 std::string figures_text(const CellFigures& figures) {
@@ -60,7 +60,7 @@ std::string details(const Cell& cell) {
     for (const std::string& defect : cell.defects) html += item(defect);
     for (const std::string& note : cell.notes) html += item(note);
     html += item("NaN/infinite/negative: " + figures_of(cell, &cell.checks.front()).faults + "; " +
-                 human_seconds(cell.seconds) + " in " + std::to_string(cell.jobs.size()) + " jobs");
+                 human_seconds(cell.seconds) + " in " + counted(cell.jobs.size(), "job"));
     return html + "</ul>";
 }
 

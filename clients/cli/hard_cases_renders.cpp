@@ -216,7 +216,7 @@ private:
     }
 
     void show(size_t done, size_t count) {
-        const std::string text = std::to_string(done) + "/" + std::to_string(count) + " jobs";
+        const std::string text = std::to_string(done) + "/" + counted(count, "job");
         if (session_.error_is_terminal()) {
             const RenderWish& wish =
                 all_[std::min((done + limits_.seeds) / limits_.seeds, all_.size()) - 1].rendering.wish;

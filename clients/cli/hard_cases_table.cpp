@@ -274,8 +274,8 @@ HardCasesTable measure_table(Session& session, std::vector<HardCase> cases, std:
                 table.comparisons += has_interval(check.check->relation) ? kChannels : 0;
     }
     table.jobs = renderings.size() * options.limits.seeds;
-    session.remark(std::to_string(table.jobs) + " jobs: " + std::to_string(renderings.size()) + " renderings by " +
-                   std::to_string(options.limits.seeds) + " seeds");
+    session.remark(counted(table.jobs, "job") + ": " + counted(renderings.size(), "rendering") + " by " +
+                   counted(options.limits.seeds, "seed"));
     renderings.run(session, options.limits);
 
     const double false_alarm = shared_false_alarm(kTableFalseAlarm, table.comparisons);

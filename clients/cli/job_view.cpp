@@ -4,6 +4,7 @@
 
 #include "clients/cli/job_follower.h"
 #include "clients/cli/json_member.h"
+#include "clients/cli/problem_view.h"
 #include "clients/cli/progress_view.h"
 #include "clients/cli/statistics_report.h"
 #include "clients/cli/stop_options.h"
@@ -39,10 +40,13 @@ void add_wait_options(CLI::App& command, WaitOptions& options) {
 void add_output_options(CLI::App& command, JobOutputs& outputs) {
     command
         .add_option("-o,--output", outputs.images,
-                    "save the image: .exr has every layer, .png is a preview; may be repeated")
+                    "save the image: .exr has every layer, .png is a preview, - is standard output; may be repeated")
         ->type_name("FILE")
         ->expected(1)
         ->take_all();
+    command.add_option("--format", outputs.format, "what -o - writes; default: exr")
+        ->type_name("exr|png")
+        ->check(CLI::IsMember({"exr", "png"}).description(""));
     command.add_option("--preview", outputs.preview, "save a tone-mapped PNG")->type_name("FILE");
     command
         .add_option(
@@ -103,6 +107,27 @@ std::optional<json> wait_for(Session& session, const std::string& kind, const st
     session.remark("cancelling " + id);
     session.daemon().send("DELETE", resource_path(kind + "s", id), nullptr, Repeat::Safely);
     return std::nullopt;
+}
+
+ExitCode cancel_all(Session& session, const std::string& kind, const std::vector<std::string>& ids, bool remove,
+                    const std::string& what_stays) {
+    for (const std::string& id : ids) {
+        HttpRequest request;
+        request.method = "DELETE";
+        request.path = resource_path(kind, id) + (remove ? "?purge=true" : "");
+        const HttpReply reply = session.daemon().ask(request, Repeat::Safely);
+        const json object = json_of(reply);
+        const std::string state = plain_text(member(object, "state"));
+        const bool was_over = reply.status == 200;
+        if (session.json_output && object.is_object()) session.print_json(object);
+        if (remove)
+            session.remark(id + (was_over ? " removed" : " is being ended, and is removed then"));
+        else if (was_over)
+            session.remark(id + " was over before: it had " + (state == "cancelled" ? "been cancelled" : state));
+        else
+            session.remark(id + (state == "cancelled" ? " cancelled; " : " is being cancelled; ") + what_stays);
+    }
+    return ExitCode::Ok;
 }
 
 json wait_for_job(Session& session, const std::string& id, const WaitOptions& options, bool print_changes) {
@@ -166,11 +191,7 @@ void remark_failure(const Session& session, const json& job) {
     const json failure = job.value("failure", json());
     if (!failure.is_object()) return;
     const json detail = failure.contains("detail") ? failure["detail"] : failure.value("title", json());
-    session.remark("job " + plain_text(job.value("id", json())) + " failed: " + plain_text(detail));
-    if (failure.contains("errors") && failure["errors"].is_array())
-        for (const json& fault : failure["errors"])
-            session.remark("  " + plain_text(fault.value("pointer", json())) + ": " +
-                           plain_text(fault.value("detail", json())));
+    remark_problem(session, "job " + plain_text(job.value("id", json())) + " failed: ", plain_text(detail), failure);
     session.remark("its log: photonctl jobs fetch " + plain_text(job.value("id", json())) + " --log -");
 }
 

@@ -29,6 +29,11 @@ void add_output_options(CLI::App& command, JobOutputs& outputs);
 std::optional<nlohmann::json> wait_for(Session& session, const std::string& kind, const std::string& id,
                                        const WaitOptions& options, const std::function<nlohmann::json()>& follow);
 
+/// DELETE of each, with everything it has where `remove`, and what became of it. `kind`: jobs, comparisons or
+/// sequences; `what_stays`: of one that is ended.
+ExitCode cancel_all(Session& session, const std::string& kind, const std::vector<std::string>& ids, bool remove,
+                    const std::string& what_stays);
+
 /// Follows a job with its progress shown; with `print_changes` every change is also printed as JSON. Throws Failure:
 /// Interrupted and TimedOut say how to go on; with cancel_on_interrupt an interrupt cancels the job, which is returned.
 nlohmann::json wait_for_job(Session& session, const std::string& id, const WaitOptions& options, bool print_changes);

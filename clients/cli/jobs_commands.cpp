@@ -1,9 +1,10 @@
-// photonctl jobs list|show|watch|cancel|retry|extend|fetch
+// photonctl jobs list|show|watch|cancel|remove|priority|retry|repeat|extend|fetch
 
 #include <iostream>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/job_view.h"
+#include "clients/cli/json_member.h"
 #include "clients/cli/stop_options.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
@@ -16,8 +17,10 @@ using nlohmann::json;
 
 struct JobsOptions {
     std::vector<std::string> ids;
+    std::string id;
     std::string state, label, scene, method;
     size_t limit = 50;
+    int priority = 0;
     bool purge = false;
     StopOptions stop;
     WaitOptions wait;
@@ -90,13 +93,29 @@ ExitCode watch_job(Session& session, const JobsOptions& options) {
     return exit_code_of(job);
 }
 
-ExitCode change_jobs(Session& session, const JobsOptions& options, const std::string& method, const std::string& tail,
-                     Repeat repeat, const std::string& done) {
+ExitCode cancel_jobs(Session& session, const JobsOptions& options) {
+    return cancel_all(session, "jobs", options.ids, options.purge, "what was rendered stays");
+}
+
+ExitCode remove_jobs(Session& session, const JobsOptions& options) {
+    return cancel_all(session, "jobs", options.ids, true, "");
+}
+
+ExitCode retry_jobs(Session& session, const JobsOptions& options) {
     for (const std::string& id : options.ids) {
-        const json job = session.daemon().send(method, resource_path("jobs", id) + tail, nullptr, repeat);
-        if (session.json_output && job.is_object()) session.print_json(job);
-        session.remark(id + " " + (job.is_object() ? done + ", now " + text_of(job, "state") : done));
+        const json job =
+            session.daemon().send("POST", resource_path("jobs", id) + "/retry", nullptr, Repeat::OnlyIfRefused);
+        if (session.json_output) session.print_json(job);
+        session.remark(id + " is tried again, now " + text_of(job, "state"));
     }
+    return ExitCode::Ok;
+}
+
+ExitCode set_priority(Session& session, const JobsOptions& options) {
+    const json job = session.daemon().send("PATCH", resource_path("jobs", options.id), {{"priority", options.priority}},
+                                           Repeat::Safely);
+    if (session.json_output) session.print_json(job);
+    session.remark(options.id + " has priority " + text_of(member(job, "request"), "priority"));
     return ExitCode::Ok;
 }
 
@@ -127,7 +146,7 @@ ExitCode fetch_job(Session& session, const JobsOptions& options) {
     const std::string& id = options.ids.front();
     JobOutputs outputs = options.outputs;
     if (!outputs.any()) outputs.images = {id + ".exr"};
-    outputs.check();
+    outputs.check(session);
     const json job = session.daemon().get(resource_path("jobs", id));
     save_job_outputs(session, id, outputs);
     if (session.json_output) session.print_json(job);
@@ -138,7 +157,7 @@ ExitCode fetch_job(Session& session, const JobsOptions& options) {
 
 void add_jobs_commands(CLI::App& program, Session& session) {
     CLI::App* jobs =
-        program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, repeat, extend, fetch");
+        program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, remove, change, repeat, fetch");
     jobs->require_subcommand(1);
     const auto options = std::make_shared<JobsOptions>();
 
@@ -168,15 +187,13 @@ void add_jobs_commands(CLI::App& program, Session& session) {
     command("show", "Request, state and statistics of jobs", kMany, show_jobs);
     add_wait_options(*command("watch", "Follow a job to its end", 1, watch_job), options->wait);
 
-    CLI::App* cancel =
-        command("cancel", "End jobs; what was rendered stays", kMany, [](Session& s, const JobsOptions& o) {
-            return change_jobs(s, o, "DELETE", o.purge ? "?purge=true" : "", Repeat::Safely,
-                               o.purge ? "purged" : "cancelled");
-        });
-    cancel->add_flag("--purge", options->purge, "also remove the job and its files");
-    command("retry", "Queue failed or cancelled jobs again", kMany, [](Session& s, const JobsOptions& o) {
-        return change_jobs(s, o, "POST", "/retry", Repeat::OnlyIfRefused, "queued again");
-    });
+    command("cancel", "End jobs; what was rendered stays", kMany, cancel_jobs)
+        ->add_flag("--purge", options->purge, "also remove the job and its files");
+    command("remove", "Remove jobs with their films and images; one that runs is ended first", kMany, remove_jobs);
+    CLI::App* priority = command("priority", "Change the priority of a job that is queued or running", 0, set_priority);
+    priority->add_option("job", options->id, "job id")->required()->type_name("JOB");
+    priority->add_option("priority", options->priority, "-100 to 100, higher first")->required()->type_name("INT");
+    command("retry", "Queue failed or cancelled jobs again", kMany, retry_jobs);
 
     command("repeat", "Render jobs again as new ones; those of a comparison in their place", kMany, repeat_jobs);
 

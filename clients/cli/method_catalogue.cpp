@@ -33,6 +33,21 @@ const Parameter& CatalogueMethod::parameter(const std::string& parameter_name) c
                  "photonctl methods " + name + " lists them");
 }
 
+void CatalogueMethod::require_layer(const std::string& layer) const {
+    if (std::find(layers.begin(), layers.end(), layer) != layers.end()) return;
+    const std::string near = nearest_name(layer, layers);
+    std::string there_are;
+    for (const std::string& one : layers) there_are += (there_are.empty() ? "" : ", ") + one;
+    throw Failure(ExitCode::Usage, name + " has no layer " + printable(layer) + " on request",
+                  (near.empty() ? "" : "did you mean " + near + "? ") + "there are " + there_are);
+}
+
+void CatalogueMethod::require_device(const std::string& device) const {
+    if (devices.empty() || runs_on(device)) return;
+    throw Failure(ExitCode::Usage, name + " does not run on " + printable(device) + ", only on a " + devices.front(),
+                  "ask for --device " + devices.front() + "; photonctl devices shows what the daemon renders on");
+}
+
 bool CatalogueMethod::runs_on(const std::string& device) const {
     const std::string kind = device.empty() ? "cpu" : device.substr(0, 3);
     return std::find(devices.begin(), devices.end(), kind) != devices.end();

@@ -35,8 +35,13 @@ struct CatalogueMethod {
     /// On a device by its id; empty: the default, a CPU.
     bool runs_on(const std::string& device) const;
 
+    /// Throws Failure(Usage) that says what to ask for instead.
+    void require_device(const std::string& device) const;
+
     /// Throws Failure(Usage) with the nearest name.
     const Parameter& parameter(const std::string& parameter_name) const;
+    /// Throws Failure(Usage) with the nearest name and all there are.
+    void require_layer(const std::string& layer) const;
 };
 
 class MethodCatalogue {

@@ -6,24 +6,47 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iostream>
 
 #include "clients/cli/failure.h"
 
 namespace photond::cli {
 
+namespace {
+constexpr const char* kStandardOutput = "-";
+}
+
 OutputFile::OutputFile(std::filesystem::path path)
     : path_(std::move(path)), beside_(path_.string() + ".part" + std::to_string(getpid())) {
+    if (path_ == kStandardOutput) {
+        path_ = "standard output";
+        beside_.clear();
+        std::cout.flush();
+        descriptor_ = STDOUT_FILENO;
+        return;
+    }
     descriptor_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail("cannot write");
 }
 
 OutputFile::~OutputFile() {
-    if (descriptor_ < 0) return;
+    if (descriptor_ < 0 || beside_.empty()) return;
     close(descriptor_);
     unlink(beside_.c_str());
 }
 
+void OutputFile::check_place(const std::filesystem::path& path) {
+    if (path == kStandardOutput) return;
+    if (std::filesystem::is_directory(path))
+        throw Failure(ExitCode::LocalFile, "cannot write " + path.string() + ": it is a folder");
+    const OutputFile made(path);
+}
+
 void OutputFile::restart() {
+    if (beside_.empty()) {
+        if (size_bytes_ > 0) throw Failure(ExitCode::LocalFile, "what standard output has cannot be taken back");
+        return;
+    }
     if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0) fail("cannot write");
     size_bytes_ = 0;
 }
@@ -39,6 +62,7 @@ void OutputFile::write(std::string_view bytes) {
 }
 
 void OutputFile::publish() {
+    if (beside_.empty()) return;
     if (fsync(descriptor_) != 0) fail("cannot write");
     if (std::rename(beside_.c_str(), path_.c_str()) != 0) fail("cannot name");
     close(descriptor_);

@@ -1,5 +1,5 @@
 #pragma once
-// Result files: written beside and renamed, so that a name never holds half a file.
+// Result files: written beside and renamed, so that a name never holds half a file. "-" is standard output.
 
 #include <filesystem>
 #include <string>
@@ -16,7 +16,11 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
-    /// Begins again: a download is being repeated.
+    /// Throws Failure(LocalFile) where a file of this name could not be made now; leaves nothing there.
+    static void check_place(const std::filesystem::path& path);
+
+    /// Begins again: a download is being repeated. Throws Failure(LocalFile) for standard output that has been written
+    /// to.
     void restart();
     void write(std::string_view bytes);
     /// Gives the file its name. Throws Failure(LocalFile).

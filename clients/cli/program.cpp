@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "clients/cli/commands.h"
+#include "clients/cli/problem_view.h"
 #include "clients/cli/units.h"
 #include "protocol/nearest_name.h"
 
@@ -14,20 +15,23 @@ namespace {
 
 using nlohmann::json;
 
+/// The daemon's code where it refused, else what the exit code stands for.
+json code_of(const Failure& failure) {
+    if (failure.problem.is_object() && failure.problem.contains("code")) return failure.problem["code"];
+    for (const ExitCodeRow& row : kExitCodes)
+        if (row.code == failure.code) return row.name;
+    return nullptr;
+}
+
 void print_failure(const Session& session, const Failure& failure) {
-    session.remark("photonctl: " + std::string(failure.what()));
-    const json errors = failure.problem.is_object() ? failure.problem.value("errors", json()) : json();
-    if (errors.is_array())
-        for (const json& fault : errors) {
-            const std::string pointer = plain_text(fault.value("pointer", json()));
-            session.remark("  " + (pointer.empty() ? "(the whole)" : pointer) + ": " +
-                           plain_text(fault.value("detail", json())));
-        }
+    remark_problem(session, "photonctl: ", failure.what(), failure.problem);
     if (!failure.hint.empty()) session.remark("  " + failure.hint);
     if (session.json_output)
         session.print_json({{"failure",
                              {{"exit_code", static_cast<int>(failure.code)},
+                              {"code", code_of(failure)},
                               {"message", failure.what()},
+                              {"hint", failure.hint.empty() ? json() : json(failure.hint)},
                               {"problem", failure.problem}}}});
 }
 
@@ -39,7 +43,9 @@ std::string exit_code_text() {
     }
     return text +
            "\nWith --json standard output is JSON Lines: the daemon's own objects, one a line; a failure is\n"
-           "{\"failure\": {\"exit_code\", \"message\", \"problem\"}}. Progress and remarks go to standard error.\n"
+           "{\"failure\": {\"exit_code\", \"code\", \"message\", \"hint\", \"problem\"}}. Progress and remarks go to "
+           "standard\n"
+           "error.\n"
            "PHOTOND_URL is the daemon's address, PHOTOND_TOKEN its bearer token.";
 }
 
@@ -67,6 +73,44 @@ std::string suggestion(const CLI::App& program) {
     for (const CLI::App* sub : command.get_subcommands(nullptr)) known.push_back(sub->get_name());
     const std::string near = nearest_name(wrong, known);
     return near.empty() ? "" : "did you mean " + near + "?";
+}
+
+std::string joined_names(const std::vector<const CLI::App*>& commands) {
+    std::string text;
+    for (const CLI::App* command : commands)
+        if (!command->get_group().empty()) text += (text.empty() ? "" : ", ") + command->get_name();
+    return text;
+}
+
+/// "photonctl jobs"
+std::string command_line_of(const CLI::App& program) {
+    std::string line = program.get_name();
+    for (const CLI::App* app = &program; !app->get_subcommands().empty();) {
+        app = app->get_subcommands().front();
+        line += " " + app->get_name();
+    }
+    return line;
+}
+
+/// Where a command is missing or is none: which word it was, what was meant, and which there are.
+std::optional<Failure> command_fault(const CLI::App& program) {
+    const CLI::App& parent = innermost(program);
+    const std::vector<const CLI::App*> commands = parent.get_subcommands([](const CLI::App*) { return true; });
+    if (commands.empty()) return std::nullopt;
+    const std::string line = command_line_of(program);
+    const std::string there_are = line + " has the commands " + joined_names(commands);
+    const std::vector<std::string> extras = program.remaining(true);
+    const auto word =
+        std::find_if(extras.begin(), extras.end(), [](const auto& extra) { return !extra.starts_with("-"); });
+    if (word == extras.end()) {
+        if (!extras.empty()) return std::nullopt;  // an option that is none
+        return Failure(ExitCode::Usage, line + " needs a command", there_are);
+    }
+    std::vector<std::string> known;
+    for (const CLI::App* command : commands) known.push_back(command->get_name());
+    const std::string near = nearest_name(*word, known);
+    return Failure(ExitCode::Usage, "there is no command " + line + " " + printable(*word),
+                   near.empty() ? there_are : "did you mean " + line + " " + near + "?");
 }
 
 bool asks_for_help(const std::vector<std::string>& arguments) {
@@ -107,13 +151,10 @@ ExitCode run(Session& session, const std::vector<std::string>& arguments) {
     } catch (const CLI::ExtrasError& error) {
         throw Failure(ExitCode::Usage, error.what(), suggestion(*program));
     } catch (const CLI::ParseError& error) {
-        std::string command = "photonctl";
-        for (const CLI::App* app = program.get(); !app->get_subcommands().empty();) {
-            app = app->get_subcommands().front();
-            command += " " + app->get_name();
-        }
+        if (const std::optional<Failure> fault = command_fault(*program)) throw *fault;
         const std::string meant = suggestion(*program);
-        throw Failure(ExitCode::Usage, error.what(), meant.empty() ? command + " --help explains" : meant);
+        throw Failure(ExitCode::Usage, error.what(),
+                      meant.empty() ? command_line_of(*program) + " --help explains" : meant);
     }
     return session.action();
 }
@@ -144,6 +185,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
         ->type_name("SECONDS")
         ->check(CLI::Range(0.0, 86400.0).description(""));
     add_render_command(*program, session, vocabulary);
+    add_repeat_command(*program, session);
     add_sequence_commands(*program, session, vocabulary);
     add_scenes_commands(*program, session);
     add_compare_command(*program, session);

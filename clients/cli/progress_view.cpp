@@ -45,7 +45,7 @@ std::string passes_text(const json& job) {
     const json stop = job.contains("request") ? job["request"].value("stop", json::object()) : json::object();
     if (stop.is_object() && stop.contains("passes") && stop["passes"].is_number())
         return done + "/" + plain_text(stop["passes"]) + " passes";
-    return done + " passes";
+    return done + (done == "1" ? " pass" : " passes");
 }
 
 /// The error so far and the one to reach; empty while nothing is measured.
@@ -131,7 +131,7 @@ void ProgressView::show(const json& job) {
 void ComparisonProgressView::show(const json& comparison, const ComparisonProgress& progress) {
     const std::string state = plain_text(comparison.value("state", json()));
     const std::string id = plain_text(comparison.value("id", json()));
-    const std::string count = std::to_string(progress.done) + "/" + std::to_string(progress.all) + " jobs";
+    const std::string count = std::to_string(progress.done) + "/" + counted(progress.all, "job");
     const bool runs = progress.job.is_object() && progress.job.value("state", "") == "running";
     std::string now;
     if (progress.job.is_object()) now = runs ? progress.name : progress.name + " waits";

@@ -31,6 +31,12 @@ void put_method(json& request, const RenderOptions& options, const CatalogueMeth
     if (options.seed) request["seed"] = *options.seed;
 }
 
+void check_layers(const json& request, const CatalogueMethod& method) {
+    if (!request.contains("layers") || !request["layers"].is_array() || method.layers.empty()) return;
+    for (const json& layer : request["layers"])
+        if (layer.is_string()) method.require_layer(layer.get<std::string>());
+}
+
 /// The method that renders: the command line's, else that of a request from standard input, which nobody had read when
 /// the options were made.
 CatalogueMethod method_of(Session& session, const RenderOptions& options, const CatalogueMethod& known,
@@ -42,9 +48,17 @@ CatalogueMethod method_of(Session& session, const RenderOptions& options, const 
 
 }  // namespace
 
-json job_request(Session& session, const RenderOptions& options, const CatalogueMethod& known) {
+json job_body(Session& session, const RenderOptions& options, const CatalogueMethod& known) {
     json request = start_request(options.request);
-    put_method(request, options, method_of(session, options, known, request));
+    const CatalogueMethod method = method_of(session, options, known, request);
+    put_method(request, options, method);
+    method.require_device(request["method"].value("device", "cpu"));
+    check_layers(request, method);
+    return request;
+}
+
+json job_request(Session& session, const RenderOptions& options, const CatalogueMethod& known) {
+    json request = job_body(session, options, known);
     send_parts(session, request, options.request);
     return request;
 }

@@ -24,8 +24,10 @@ struct RenderOptions {
 void add_job_options(CLI::App& command, const std::shared_ptr<RenderOptions>& options,
                      const RenderVocabulary& vocabulary);
 
-/// The request; scene, environment and reference are sent where they are files. Throws Failure for parameters that the
-/// method does not have.
+/// The request but for what send_parts() adds. Throws Failure(Usage) for parameters and layers that the method does not
+/// have, and for a device it does not run on.
+nlohmann::json job_body(Session& session, const RenderOptions& options, const CatalogueMethod& known);
+/// The whole request; scene, environment and reference are sent where they are files. Throws Failure.
 nlohmann::json job_request(Session& session, const RenderOptions& options, const CatalogueMethod& known);
 
 }  // namespace photond::cli

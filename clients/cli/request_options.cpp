@@ -119,7 +119,7 @@ void add_image_options(CLI::App& command, RequestOptions& options, const std::ve
     const auto add = [&](const char* name, auto& value, const std::string& text, const char* type) {
         return command.add_option(name, value, text)->type_name(type);
     };
-    add("--width", options.width, "pixels; default: 512", "INT");
+    add("--width", options.width, "pixels; default: 512. The image may have 67,108,864 (photond --max-pixels)", "INT");
     add("--height", options.height, "pixels; default: 512", "INT");
     std::string layers_text = "more layers for the EXR, separated by commas";
     for (const std::string& layer : layers) layers_text += (layer == layers.front() ? ": " : ", ") + layer;

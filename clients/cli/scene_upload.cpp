@@ -25,7 +25,7 @@ UploadedScene upload_scene(Session& session, const std::string& path, const std:
     const Upload upload = plan_scene_upload(path);
     const std::string scene_name = name.empty() ? upload.name : name;
     const size_t others = upload.files.size() - 1;
-    session.remark("sending " + path + (others > 0 ? " with " + std::to_string(others) + " more files" : "") + ", " +
+    session.remark("sending " + path + (others > 0 ? " with " + counted(others, "more file") : "") + ", " +
                    human_bytes(static_cast<double>(upload.body->size_bytes())));
     const HttpReply reply = post_upload(session, "/v1/scenes?name=" + percent_encode(scene_name), upload);
     UploadedScene uploaded{json_of(reply), reply.status == 200};

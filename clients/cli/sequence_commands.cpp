@@ -1,4 +1,4 @@
-// photonctl sequence SCENE, and sequences list|show|watch|cancel|fetch|errors
+// photonctl sequence SCENE, and sequences list|show|watch|cancel|remove|fetch|errors
 
 #include <cmath>
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include "clients/cli/commands.h"
 #include "clients/cli/job_follower.h"
 #include "clients/cli/job_view.h"
+#include "clients/cli/output_file.h"
 #include "clients/cli/render_options.h"
 #include "clients/cli/sequence_follower.h"
 #include "clients/cli/text_table.h"
@@ -25,6 +26,15 @@ struct FrameOutputs {
     bool png = false;
 
     bool any() const { return !folder.empty(); }
+    /// Makes the folder, and sees before anything is rendered whether a file can be written there. Throws
+    /// Failure(LocalFile).
+    void check() const {
+        if (!any()) return;
+        std::error_code error;
+        std::filesystem::create_directories(folder, error);
+        if (error) throw Failure(ExitCode::LocalFile, "cannot make the folder " + folder + ": " + error.message());
+        OutputFile::check_place(std::filesystem::path(folder) / "0000.exr");
+    }
 };
 
 struct SequenceOptions : RenderOptions {
@@ -56,7 +66,7 @@ void add_frame_options(CLI::App& command, FrameOutputs& outputs) {
 
 /// Of the frames that have succeeded.
 void save_frames(Session& session, const json& sequence, const FrameOutputs& outputs) {
-    std::filesystem::create_directories(outputs.folder);
+    outputs.check();
     size_t saved = 0;
     for (const json& frame : sequence.at("frames")) {
         if (frame.value("state", "") != "succeeded") continue;
@@ -67,7 +77,7 @@ void save_frames(Session& session, const json& sequence, const FrameOutputs& out
                  (std::filesystem::path(outputs.folder) / name).string());
         ++saved;
     }
-    session.remark("saved " + std::to_string(saved) + " frames in " + outputs.folder);
+    session.remark("saved " + counted(saved, "frame") + " in " + outputs.folder);
 }
 
 void print_sequence(Session& session, const json& sequence) {
@@ -124,6 +134,7 @@ ExitCode print_sequence_estimate(Session& session, const json& request) {
 ExitCode render_sequence(Session& session, const SequenceOptions& options, const CatalogueMethod& known) {
     if (options.request.time)
         throw Failure(ExitCode::Usage, "--time is of one image: a sequence has --from, --fps, and --frames or --to");
+    options.outputs.check();
     const json request = sequence_request(session, options, known);
     if (options.dry_run) return print_sequence_estimate(session, request);
     const json accepted = submit(session, "/v1/sequences", request, options.request.idempotency_key);
@@ -169,13 +180,11 @@ ExitCode watch_sequence(Session& session, const SequencesOptions& options) {
 }
 
 ExitCode cancel_sequences(Session& session, const SequencesOptions& options) {
-    for (const std::string& id : options.ids) {
-        const json sequence = session.daemon().send(
-            "DELETE", resource_path("sequences", id) + (options.purge ? "?purge=true" : ""), nullptr, Repeat::Safely);
-        if (session.json_output && sequence.is_object()) session.print_json(sequence);
-        session.remark(id + (options.purge ? " purged" : " cancelled; frames that are done stay"));
-    }
-    return ExitCode::Ok;
+    return cancel_all(session, "sequences", options.ids, options.purge, "frames that are done stay");
+}
+
+ExitCode remove_sequences(Session& session, const SequencesOptions& options) {
+    return cancel_all(session, "sequences", options.ids, true, "");
 }
 
 /// An MP4 or, by its name, a PNG of frames beside each other.
@@ -266,7 +275,8 @@ void add_sequence_command(CLI::App& program, Session& session, const RenderVocab
 
 void add_sequence_commands(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
     add_sequence_command(program, session, vocabulary);
-    CLI::App* sequences = program.add_subcommand("sequences", "Sequences: list, show, watch, cancel, fetch, errors");
+    CLI::App* sequences =
+        program.add_subcommand("sequences", "Sequences: list, show, watch, cancel, remove, fetch, errors");
     sequences->require_subcommand(1);
     const auto options = std::make_shared<SequencesOptions>();
     const auto command = [&](const char* name, const char* text, int most_ids,
@@ -291,6 +301,8 @@ void add_sequence_commands(CLI::App& program, Session& session, const RenderVoca
     add_wait_options(*command("watch", "Follow a sequence to its end", 1, watch_sequence), options->wait);
     command("cancel", "End sequences; frames that are done stay", kMany, cancel_sequences)
         ->add_flag("--purge", options->purge, "also remove the sequence, its frames and their files");
+    command("remove", "Remove sequences with their frames and files; one that runs is ended first", kMany,
+            remove_sequences);
     CLI::App* fetch = command("fetch", "Save the frames; default: in a folder of its name", 1, fetch_sequence);
     add_frame_options(*fetch, options->outputs);
     fetch->add_option("--video", options->video, "save a video, or by the name .png a sheet of at most 100 frames")

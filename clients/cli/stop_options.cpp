@@ -18,8 +18,8 @@ json StopOptions::body() const {
     return stop;
 }
 
-void add_stop_options(CLI::App& command, StopOptions& options, const char* passes_text) {
-    command.add_option("--passes", options.passes, passes_text)->type_name("INT");
+void add_stop_options(CLI::App& command, StopOptions& options, const char* passes_text, const char* passes_names) {
+    command.add_option(passes_names, options.passes, passes_text)->type_name("INT");
     command.add_option("--seconds", options.seconds, "stop after rendering this long")->type_name("SECONDS");
     command
         .add_option("--target", options.error_target,
@@ -44,7 +44,8 @@ std::string stop_text(const json& stop) {
     std::string text;
     if (!stop.is_object()) return "-";
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " or ") + part; };
-    if (stop.contains("passes") && stop["passes"].is_number()) add(plain_text(stop["passes"]) + " passes");
+    if (stop.contains("passes") && stop["passes"].is_number())
+        add(plain_text(stop["passes"]) + (stop["passes"] == 1 ? " pass" : " passes"));
     if (stop.contains("seconds") && stop["seconds"].is_number()) add(human_seconds(stop["seconds"].get<double>()));
     if (stop.contains("target") && stop["target"].is_object())
         add(plain_text(stop["target"].value("metric", json())) + " " +

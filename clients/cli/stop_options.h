@@ -20,8 +20,10 @@ struct StopOptions {
     nlohmann::json body() const;
 };
 
-/// --passes, --seconds and --target; the first one met ends the job. `passes_text`: help, which says the default.
-void add_stop_options(CLI::App& command, StopOptions& options, const char* passes_text);
+/// --passes, --seconds and --target; the first one met ends the job. `passes_text`: help, which says the default;
+/// `passes_names`: what the first of them is called.
+void add_stop_options(CLI::App& command, StopOptions& options, const char* passes_text,
+                      const char* passes_names = "--passes");
 
 /// "relative_mse=0.001" as {"metric", "value"}. Throws Failure(Usage).
 nlohmann::json error_target_from(const std::string& text);

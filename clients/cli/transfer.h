@@ -2,6 +2,7 @@
 // Results of the daemon become files here.
 
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ void save_resource(Session& session, const std::string& path_and_query, const st
 
 /// What `render` and `jobs fetch` can save of a job.
 struct JobOutputs {
-    std::vector<std::string> images;  // .exr, or .png for a preview
+    std::vector<std::string> images;  // .exr, or .png for a preview; "-": standard output
+    std::string format;               // of an image on standard output: exr or png; empty: exr
     std::string preview;              // PNG
     std::string preview_layer;        // what the PNG shows; empty: the beauty
     std::string statistics;           // JSON
@@ -31,12 +33,20 @@ struct JobOutputs {
     std::string error_map;            // PNG, against the reference
     std::string film;                 // the daemon's own format: what `merge` and `extend` go on from
 
-    /// Throws Failure(Usage) for a file name whose suffix says nothing, before anything is rendered.
-    void check() const;
+    /// Before anything is rendered. Throws Failure(Usage) for a name whose suffix is not of what is to be saved and for
+    /// what standard output cannot take, Failure(LocalFile) where nothing could be written.
+    void check(const Session& session) const;
+    /// Throws Failure(Usage) for a preview of a layer that the image will not have, or that has no preview. `layers`:
+    /// those asked for.
+    void check_preview_layer(Session& session, const nlohmann::json& layers) const;
+    bool to_standard_output() const;
     bool any_image() const { return !images.empty() || !preview.empty(); }
     bool any() const;
     bool needs_reference() const { return !difference.empty() || !flip.empty() || !error_map.empty(); }
 };
+
+/// Where the text goes that goes with them: standard output, unless that has one of them.
+std::ostream& text_beside(const JobOutputs& outputs);
 
 void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs);
 

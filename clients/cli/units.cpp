@@ -24,10 +24,10 @@ std::string three_digits(double value) {
 }  // namespace
 
 std::string human_bytes(double bytes) {
-    constexpr std::array<const char*, 5> kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
+    constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
     size_t unit = 0;
-    while (bytes >= 1023.5 && unit + 1 < kUnits.size()) {
-        bytes /= 1024;
+    while (bytes >= 999.5 && unit + 1 < kUnits.size()) {
+        bytes /= 1000;
         ++unit;
     }
     return (unit == 0 ? formatted("%.0f", bytes) : three_digits(bytes)) + " " + kUnits[unit];
@@ -58,6 +58,10 @@ std::string human_count(double count) {
         ++prefix;
     }
     return (prefix == 0 ? human_number(count) : three_digits(count)) + kPrefixes[prefix];
+}
+
+std::string counted(uint64_t count, const std::string& one) {
+    return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
 
 std::string human_number(double value) {

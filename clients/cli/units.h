@@ -8,9 +8,11 @@
 
 namespace photond::cli {
 
-std::string human_bytes(double bytes);      // 1.25 MiB
+std::string human_bytes(double bytes);      // 1.25 MB: of 1,000,000 bytes
 std::string human_seconds(double seconds);  // 3.1 ms, 12.4 s, 3 min 05 s, 2 h 10 min
 std::string human_count(double count);      // 950, 12.3 k, 4.56 M
+/// "1 file", "2 files"
+std::string counted(uint64_t count, const std::string& one);
 /// Four significant digits, no trailing zeros, no exponent between 1e-3 and 1e7.
 std::string human_number(double value);
 /// Three significant digits: errors, which are not known to more. No exponent between 1e-4 and 1e4.

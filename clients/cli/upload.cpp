@@ -15,7 +15,7 @@ using nlohmann::json;
 namespace {
 
 constexpr uint64_t kGltfTextLimitBytes =
-    1ULL << 30;  // a .gltf with data URIs may be large, one larger than this is a mistake
+    1'000'000'000;  // a .gltf with data URIs may be large, one larger than this is a mistake
 
 std::string suffix_of(const fs::path& path) {
     std::string suffix = path.extension().string();
@@ -71,7 +71,7 @@ bool stays_inside(const fs::path& relative) {
 Upload plan_gltf_upload(const fs::path& gltf_file) {
     std::error_code ignored;
     if (fs::file_size(gltf_file, ignored) > kGltfTextLimitBytes)
-        throw Failure(ExitCode::Usage, gltf_file.string() + " is larger than 1 GiB, too large for a .gltf",
+        throw Failure(ExitCode::Usage, gltf_file.string() + " is larger than 1 GB, too large for a .gltf",
                       "store its buffers in .bin files or make it a .glb");
     std::ifstream in(gltf_file, std::ios::binary);
     const json gltf = json::parse(in, nullptr, false);

@@ -168,6 +168,7 @@ std::string openapi_text(const Service& service) {
     vocabulary.pages.assign(std::begin(kDashboardPages), std::end(kDashboardPages));
     vocabulary.max_width = service.vocabulary().max_width;
     vocabulary.max_height = service.vocabulary().max_height;
+    vocabulary.max_pixels = service.options().limits.max_pixels;
     return openapi_document(vocabulary).dump(2) + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include "protocol/scene_families.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "server/comparisons/report_text.h"
 #include "server/device_memory.h"
 #include "server/method_params.h"
 #include "server/service/references.h"
@@ -112,9 +113,10 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
                 cameras.push_back(camera.value("name", ""));
         }
         if (std::find(cameras.begin(), cameras.end(), request.camera.name) == cameras.end())
-            throw Error(
-                ErrorCode::UnknownName, "/camera/name",
-                "the scene has no camera '" + request.camera.name + "'" + nearest_hint(request.camera.name, cameras));
+            throw Error(ErrorCode::UnknownName, "/camera/name",
+                        "the scene has no camera '" + request.camera.name + "'" +
+                            nearest_hint(request.camera.name, cameras) +
+                            (cameras.empty() ? "; it has none" : "; it has " + enumerated(cameras)));
     }
     if (request.animation) {
         const auto summary = scenes_.summary_of(*scene);
@@ -138,16 +140,18 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
 
 void RequestChecks::check_size(const JobRequest& request, const SceneRef& scene, const std::string& pointer) {
     const uint64_t bytes = estimates_.estimate_memory_bytes(request, scene);
-    const std::string needs = "; the job needs about " + std::to_string(bytes) + " bytes";
+    const std::string needs = "; the job needs about " + std::to_string(bytes) + " bytes (" + short_bytes(bytes) + ")";
+    const uint64_t memory_limit = core_.options.memory_limit_bytes;
     const uint64_t pixels = uint64_t{request.width} * request.height;
     if (pixels > core_.options.limits.max_pixels)
         throw Error(ErrorCode::OutOfRange, pointer,
                     std::to_string(request.width) + " x " + std::to_string(request.height) + " = " +
                         std::to_string(pixels) + " pixels, the limit is " +
-                        std::to_string(core_.options.limits.max_pixels) + needs);
-    if (bytes > core_.options.memory_limit_bytes)
+                        std::to_string(core_.options.limits.max_pixels) + " in all" + needs);
+    if (bytes > memory_limit)
         throw Error(ErrorCode::OutOfMemory, pointer,
-                    "the limit of a worker is " + std::to_string(core_.options.memory_limit_bytes) + " bytes" + needs);
+                    "the limit of a worker is " + std::to_string(memory_limit) + " bytes (" +
+                        short_bytes(memory_limit) + ")" + needs);
 }
 
 void RequestChecks::check_device_memory(const JobRequest& request, const SceneRef& scene, const std::string& pointer) {

@@ -191,7 +191,7 @@ class JobTest(GpuCase):
         self.assertRegex(self.photonctl("devices"), rf"{GPU['id']} +(ready|busy) +{re.escape(GPU['name'][:20])}")
         small = ["--width", 16, "--height", 16, "--passes", 1]
         estimate = self.photonctl("render", "cornell-box", *small, "--device", "gpu", "--dry-run")
-        self.assertRegex(estimate, r"memory .*, and [\d.]+ [KM]iB of the GPU's")
+        self.assertRegex(estimate, r"memory .*, and [\d.]+ [kM]B of the GPU's")
         rendered = self.photonctl("render", "cornell-box", *small, "--device", "gpu")
         self.assertIn(GPU["driver"], rendered)
         self.assertRegex(rendered, r"device: scene positions +\d")

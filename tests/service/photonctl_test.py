@@ -2,6 +2,7 @@
 hold it to what it promises about repeats."""
 
 import json
+import os
 import re
 import signal
 import struct
@@ -15,7 +16,7 @@ import OpenImageIO as oiio
 
 from bad_weather import BadWeather
 from photond_daemon import BIN, Daemon, patience, wait_until
-from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
+from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, PHOTONCTL, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
                             json_lines)
 
 daemon = None
@@ -116,7 +117,7 @@ class Rendering(Case):
             self.assertGreater(estimate["memory_bytes"], 288 * 64 * 48)
             self.assertGreater(estimate["seconds"], 0)
             shown = self.run_ok("render", "cornell-box", *size, *layers, "--dry-run").stdout
-            self.assertRegex(shown, r"^memory [\d.]+ [KM]iB\ntime   [\d.]+ (ms|s)\n$")
+            self.assertRegex(shown, r"^memory [\d.]+ [kM]B\ntime   [\d.]+ (ms|s)\n$")
         after = daemon.request("GET", "/v1/jobs?limit=1000").json["items"]
         self.assertEqual([job["id"] for job in after], [job["id"] for job in before])
         for more in (["-o", "x.exr"], ["--no-wait"], ["--timeout", 5]):
@@ -133,9 +134,69 @@ class Rendering(Case):
         self.assertEqual(job["request"]["environment"]["scale"], 3)
         self.assertEqual(job["state"], "succeeded")
 
-    def test_an_image_that_cannot_be_written_here(self):
-        result = self.run_for(LOCAL_FILE, "render", "furnace", *SMALL, "-o", folder / "no such folder" / "a.exr")
-        self.assertIn("no such folder/a.exr", result.stderr)
+    def test_what_cannot_be_saved_is_told_before_anything_is_rendered(self):
+        (folder / "a folder.exr").mkdir()
+        before = daemon.request("GET", "/v1/jobs?limit=1&view=summary").json["total"]
+        for code, said, *options in (
+                (LOCAL_FILE, "no such folder/a.exr", "-o", folder / "no such folder" / "a.exr"),
+                (LOCAL_FILE, "no such folder/a.png", "--preview", folder / "no such folder" / "a.png"),
+                (LOCAL_FILE, "no such folder/log", "--film", folder / "no such folder" / "log"),
+                (LOCAL_FILE, "it is a folder", "-o", folder / "a folder.exr"),
+                (USAGE, "name it .png", "--preview", "a.jpg"),
+                (USAGE, "name it .glb", "--photon-map", "photons.ply"),
+                (USAGE, "name it .exr", "--reference", "path_tracing:2", "--difference", "difference.png"),
+                (USAGE, "did you mean albedo? there are", "--layers", "albdo"),
+                (USAGE, "it has beauty, emitted, direct, indirect; --layers", "--preview", "a.png", "--preview-layer", "caustic"),
+                (USAGE, "--format says what -o - writes", "-o", "a.exr", "--format", "png"),
+                (USAGE, "one of the results", "-o", "-", "--film", "-"),
+                (USAGE, "--json", "-o", "-", "--json")):
+            with self.subTest(options=options):
+                self.assertIn(said, self.run_for(code, "render", "furnace", *SMALL, *options).stderr)
+        self.run_ok("render", "furnace", *SMALL, "--layers", "caustic", "--preview", "a.png", "--preview-layer", "caustic")
+        self.assertEqual(daemon.request("GET", "/v1/jobs?limit=1&view=summary").json["total"], before + 1)
+        self.assertEqual(list(folder.glob("*.part*")), [])
+
+    def test_an_image_on_standard_output(self):
+        for options, resource in (([], "image.exr"), (["--format", "png"], "preview.png?exposure=0")):
+            with self.subTest(options=options):
+                result = subprocess.run([PHOTONCTL, "render", "furnace", *SMALL, "-o", "-", *options], capture_output=True,
+                                        env=cli.environment(), cwd=folder, timeout=patience())
+                self.assertEqual(result.returncode, OK, result.stderr)
+                job = result.stderr.split()[0].decode()
+                self.assertEqual(result.stdout, daemon.request("GET", f"/v1/jobs/{job}/{resource}").body)
+                self.assertIn(b"pixel hash", result.stderr)
+
+    def test_no_image_is_written_to_a_terminal(self):
+        terminal, other_end = os.openpty()
+        self.addCleanup(os.close, terminal)
+        try:
+            result = subprocess.run([PHOTONCTL, "render", "furnace", *SMALL, "-o", "-"], stdout=other_end,
+                                    stderr=subprocess.PIPE, text=True, env=cli.environment(), timeout=patience())
+        finally:
+            os.close(other_end)
+        self.assertEqual(result.returncode, USAGE)
+        self.assertIn("standard output is a terminal", result.stderr)
+
+    def test_an_image_says_how_to_make_it_again(self):
+        [job] = json_lines(self.run_ok("render", "cornell-box", *SMALL, "--seed", 5, "--layers", "depth", "--json"))
+        image = oiio.ImageBuf(oiio.ImageSpec(4, 4, 3, oiio.HALF))
+        image.specmod().attribute("photond:request", json.dumps(job["request"]))
+        self.assertTrue(image.write(str(folder / "told.exr")), image.geterror())
+        [again] = json_lines(self.run_ok("repeat", "told.exr", "-o", "again.exr", "--json"))
+        self.assertNotEqual(again["id"], job["id"])
+        self.assertEqual(again["request"], job["request"])
+        self.assertEqual(again["statistics"]["pixel_hash"], job["statistics"]["pixel_hash"])
+        self.assertTrue((folder / "again.exr").read_bytes().startswith(b"\x76\x2f\x31\x01"))
+        [more] = json_lines(self.run_ok("repeat", "told.exr", "--samples", 3, "--seed", 6, "--json"))
+        self.assertEqual((more["request"]["stop"]["passes"], more["request"]["seed"]), (3, 6))
+
+        self.assertTrue(oiio.ImageBuf(oiio.ImageSpec(4, 4, 3, oiio.HALF)).write(str(folder / "silent.exr")))
+        (folder / "torn.exr").write_bytes((folder / "told.exr").read_bytes()[:200])
+        (folder / "none.exr").write_bytes(b"this is no image")
+        for name, said in (("silent.exr", "no attribute photond:request"), ("torn.exr", "not a whole one"),
+                           ("none.exr", "no OpenEXR file"), ("not there.exr", "cannot read")):
+            with self.subTest(name=name):
+                self.assertIn(said, self.run_for(USAGE, "repeat", name).stderr)
 
 
 class Waiting(Case):
@@ -192,10 +253,18 @@ class Waiting(Case):
         self.assertIn("cornell-box", self.run_ok("jobs", "show", job).stdout)
         self.run_ok("jobs", "retry", job)
         self.assertIn(daemon.job(job)["state"], ("queued", "running"))
+        self.assertIn(f"{job} has priority -7", self.run_ok("jobs", "priority", job, -7).stderr)
+        self.assertEqual(daemon.job(job)["request"]["priority"], -7)
         self.run_ok("jobs", "cancel", job)
         daemon.wait_for_job(job)
-        self.run_ok("jobs", "cancel", "--purge", job)
+        self.assertIn("was over before: it had been cancelled", self.run_ok("jobs", "cancel", job).stderr)
+        self.run_for(REFUSED, "jobs", "priority", job, 5)
+        self.assertIn(f"{job} removed", self.run_ok("jobs", "remove", job).stderr)
         self.assertEqual(daemon.request("GET", f"/v1/jobs/{job}").status, 404)
+
+    def test_what_is_over_is_not_said_to_be_cancelled(self):
+        [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
+        self.assertEqual(self.run_ok("jobs", "cancel", job["id"]).stderr, f"{job['id']} was over before: it had succeeded\n")
 
     def test_fetch_saves_image_statistics_and_log(self):
         [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
@@ -285,7 +354,34 @@ class HelpAndChecks(Case):
                 result = self.run_for(USAGE, "render", "cornell-box", *SMALL, *arguments)
                 for word in words:
                     self.assertIn(word, result.stderr)
-        self.assertIn("did you mean watch", self.run_for(USAGE, "jobs", "wacth", "J1").stderr)
+
+    def test_a_command_that_is_none_is_named_with_the_nearest(self):
+        for arguments, said in ((["rendr", "furnace"], "no command photonctl rendr\n  did you mean photonctl render?"),
+                                (["jobs", "wacth", "J1"], "no command photonctl jobs wacth\n  did you mean photonctl jobs watch?"),
+                                (["jobs", "frobnicate"], "photonctl jobs has the commands list, show, watch"),
+                                (["comparisons"], "photonctl comparisons needs a command")):
+            with self.subTest(arguments=arguments):
+                self.assertIn(said, self.run_for(USAGE, *arguments).stderr)
+
+    def test_a_fault_is_told_once_and_has_a_code(self):
+        for arguments, code, said in (
+                (["--width", 0], "out_of_range", "photonctl: the value lies outside its declared range: /image/width: 0 is outside [1, 65536]\n"),
+                (["--camera", "camra"], "unknown_name", "/camera/name: the scene has no camera 'camra'; did you mean 'camera'?; it has camera\n"),
+                (["--width", 60000, "--height", 60000], "out_of_range", "= 3600000000 pixels, the limit is 67108864 in all; the job needs about"),
+                (["--method", "imperfect_shadow_maps"], "usage", "ask for --device gpu")):
+            with self.subTest(arguments=arguments):
+                result = cli.run("render", "furnace", "--passes", 1, *arguments, "--json")
+                self.assertEqual(result.returncode, USAGE if code == "usage" else REFUSED, result.stderr)
+                self.assertIn(said, result.stderr)
+                self.assertEqual(json_lines(result)[0]["failure"]["code"], code)
+                self.assertEqual(len(result.stderr.splitlines()), 2 if code == "usage" else 1, result.stderr)
+        result = self.run_for(UNREACHABLE, "status", "--json", "--server", "http://127.0.0.1:1")
+        self.assertEqual(json_lines(result)[0]["failure"]["code"], "unreachable")
+
+    def test_the_devices_are_what_they_are(self):
+        [cpu] = [line for line in self.run_ok("devices").stdout.splitlines() if line.startswith("cpu ")]
+        self.assertNotIn("software", cpu)
+        self.assertRegex(cpu, r"[\d.]+ GB  cpu$")
 
     def test_every_fault_the_daemon_finds_is_printed_with_its_place(self):
         body = {"scene": "cornell-box", "image": {"width": 0, "height": 8, "filtr": "box"},

@@ -75,9 +75,9 @@ class PresetTest(Case):
     def test_table_1_stands_beside_ours(self):
         for published in ("1.71 MB", "0.85 MB", "0.08 MB", "576 MB"):
             self.assertEqual(self.output.count(published), 2, self.output)  # one a scene
-        self.assertRegex(self.output, r"(?m)^ +photon mapping, .*photons 50000.*1\.71 MB +[\d.]+ [KM]iB +global_map$")
-        self.assertRegex(self.output, r"(?m)^ +stratified.*grid_cells \d+.* +[\d.]+ [KM]iB +photons \+ stratification$")
-        self.assertRegex(self.output, r"(?m)^ +each +.*pass_image [\d.]+ [KM]iB")
+        self.assertRegex(self.output, r"(?m)^ +photon mapping, .*photons 50000.*1\.71 MB +[\d.]+ [kM]B +global_map$")
+        self.assertRegex(self.output, r"(?m)^ +stratified.*grid_cells \d+.* +[\d.]+ [kM]B +photons \+ stratification$")
+        self.assertRegex(self.output, r"(?m)^ +each +.*pass_image [\d.]+ [kM]B")
 
 
 class OptionsTest(Case):
