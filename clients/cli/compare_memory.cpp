@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSmall = 1024;  // bytes: not worth a name
 
-/// "photons 0.9 MiB, splat batch 12 KiB": largest first.
+/// "photons 0.9 MB, splat batch 12 kB": largest first.
 std::string text_of(const std::map<std::string, double>& bytes) {
     std::vector<std::pair<double, std::string>> ordered;
     for (const auto& [name, size] : bytes)
