@@ -144,9 +144,9 @@ def fish_completion(name, page):
     for option in page.options:
         text = option.text.replace("\\", "\\\\").replace("'", "\\'")
         values = (f" -x -a '{' '.join(words_of(option))}'" if words_of(option) else
-                  " -r" if takes_a_path(option) else " -x" if option.value else "")
-        lines += [f"complete -c {name} -f -l {long[2:]}{values} -d '{text}'" for long in option.names if long.startswith("--")]
-    return "\n".join([*lines, ""])
+                  " -r -F" if takes_a_path(option) else " -x" if option.value else "")
+        lines += [f"complete -c {name} -l {long[2:]}{values} -d '{text}'" for long in option.names if long.startswith("--")]
+    return "\n".join([f"complete -c {name} -f", *lines, ""])
 
 
 def write(path, text):
