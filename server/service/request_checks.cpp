@@ -164,7 +164,8 @@ void RequestChecks::check_device_memory(const JobRequest& request, const SceneRe
     if (*bytes > limit)
         throw Error(ErrorCode::OutOfMemory, pointer,
                     "a job may hold " + std::to_string(limit) + " bytes of " + id + " (" + device.value("name", "") +
-                        "); this one needs about " + std::to_string(*bytes));
+                        "), " + short_bytes(limit) + "; this one needs about " + std::to_string(*bytes) + ", " +
+                        short_bytes(*bytes));
 }
 
 void RequestChecks::check_reference(const JobRequest& request, const SceneRef& scene) {
