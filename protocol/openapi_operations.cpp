@@ -98,6 +98,10 @@ std::pair<const char*, json> cancel_parameter() {
     return {"cancel_on_disconnect", flag("the job ends with a client that leaves while its request waits")};
 }
 
+/// What a request says that would rather be repeated than held (server/asks_again.h).
+constexpr std::pair<const char*, const char*> kPrefer{
+    "Prefer", "respond-async: 202 with Retry-After at once where the answer waits for a pass or a picture"};
+
 std::vector<Operation> scene_operations() {
     const json point{{"type", "string"}, {"pattern", "^[^,]+,[^,]+,[^,]+$"}, {"description", "x,y,z in metres"}};
     const json scene_body{
@@ -127,13 +131,16 @@ std::vector<Operation> scene_operations() {
          "/v1/scenes/{scene}/thumbnail.png",
          "getThumbnail",
          "A small picture; while a job renders perhaps 503, to be asked for again after Retry-After",
-         {{200, file("image/png")}}},
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {},
+         {kPrefer}},
         {"get",
          "/v1/scenes/{scene}/preview.png",
          "getScenePreview",
          "A quick picture by one of its cameras, or from eye to target; the scene stays ready for the next one. "
          "While a job renders perhaps 503",
-         {{200, file("image/png")}},
+         {{200, file("image/png")}, {202, nullptr}},
          nullptr,
          {{"camera", with_text(word(), "by name; without it and without an eye the default view")},
           {"eye", point},
@@ -142,7 +149,8 @@ std::vector<Operation> scene_operations() {
           {"yfov", typed("number", "radians")},
           {"width", in_range(typed("integer"), 16, 512)},
           {"height", in_range(typed("integer"), 16, 512)},
-          {"passes", in_range(typed("integer"), 1, 16)}}},
+          {"passes", in_range(typed("integer"), 1, 16)}},
+         {kPrefer}},
         {"get",
          "/v1/scenes/{scene}/baked",
          "getBakedScene",
@@ -346,11 +354,13 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
                        operation_id(artefact.name),
                        "The " + artefact.text + " that the method kept",
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
-    for (Operation& operation : all)
-        if (operation.path.starts_with("/v1/jobs/"))
-            operation.query.push_back(
-                wait_parameter("for so long at the most, for the job to be over: 503 where it is not; without, what "
-                               "there is so far"));
+    for (Operation& operation : all) {
+        if (!operation.path.starts_with("/v1/jobs/")) continue;
+        operation.query.push_back(
+            wait_parameter("for so long at the most, for the job to be over: 503 where it is not; without, what "
+                           "there is so far"));
+        operation.headers.push_back(kPrefer);
+    }
     return all;
 }
 

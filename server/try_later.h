@@ -7,10 +7,11 @@ namespace photond {
 
 class TryLater : public Error {
 public:
-    TryLater(const std::string& detail, int after_seconds)
-        : Error(ErrorCode::Unavailable, detail), retry_after_seconds(after_seconds) {}
+    TryLater(const std::string& detail, int after_seconds, bool under_way = false)
+        : Error(ErrorCode::Unavailable, detail), retry_after_seconds(after_seconds), under_way(under_way) {}
 
     const int retry_after_seconds;
+    const bool under_way;  // what was asked for is being made meanwhile
 };
 
 }  // namespace photond

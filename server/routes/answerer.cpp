@@ -3,11 +3,13 @@
 #include <httplib.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <system_error>
 
 #include "protocol/problem.h"
+#include "server/asks_again.h"
 #include "server/helper_wait.h"
 #include "server/try_later.h"
 
@@ -61,7 +63,26 @@ void count_body(Exchange& exchange, size_t bytes) {
         exchange.memory->hold(bytes);
 }
 
+/// Whether a header such as "wait=5, respond-async" asks not to be held.
+bool prefers_to_ask_again(const RequestHead& head) {
+    const std::string* preferences = head.header("prefer");
+    if (preferences == nullptr) return false;
+    const auto items = list_items(*preferences);
+    return std::any_of(items.begin(), items.end(), [](std::string_view item) { return item == "respond-async"; });
+}
+
+Reply try_later_reply(const Exchange& exchange, const TryLater& later) {
+    Reply reply;
+    if (later.under_way && client_asks_again())
+        reply.status = 202, reply.headers = {{"Cache-Control", "no-store"}, {"Preference-Applied", "respond-async"}};
+    else
+        reply = problem_reply(later, exchange.call.head.path);
+    reply.headers["Retry-After"] = std::to_string(later.retry_after_seconds);
+    return reply;
+}
+
 Reply reply_of(Exchange& exchange) {
+    client_asks_again() = prefers_to_ask_again(exchange.call.head);
     try {
         if (exchange.refusal) throw *exchange.refusal;
         Reply reply = exchange.route->handle(exchange.call);
@@ -81,9 +102,7 @@ Reply reply_of(Exchange& exchange) {
         for (const auto& [name, value] : refusal.headers) reply.headers[name] = value;
         return reply;
     } catch (const TryLater& error) {
-        Reply reply = problem_reply(error, exchange.call.head.path);
-        reply.headers["Retry-After"] = std::to_string(error.retry_after_seconds);
-        return reply;
+        return try_later_reply(exchange, error);
     } catch (const Error& error) {
         if (error.code == ErrorCode::Internal) return internal_failure(exchange, error.what());
         Reply reply = problem_reply(error, exchange.call.head.path);

@@ -17,11 +17,7 @@ constexpr const char* kContentSecurityPolicy =
 bool takes_gzip(const RequestHead& head) {
     const std::string* accepted = head.header("accept-encoding");
     if (accepted == nullptr) return false;
-    std::string_view rest = *accepted;
-    while (!rest.empty()) {
-        std::string_view item = rest.substr(0, rest.find(','));
-        rest.remove_prefix(std::min(rest.size(), item.size() + 1));
-        item.remove_prefix(std::min(item.size(), item.find_first_not_of(" \t")));
+    for (const std::string_view item : list_items(*accepted)) {
         const std::string_view coding = item.substr(0, item.find_first_of("; \t"));
         if (coding != "gzip" && coding != "x-gzip" && coding != "*") continue;
         const size_t weight = item.find("q=");

@@ -216,6 +216,19 @@ std::optional<std::string> header_parameter(const std::string& header, std::stri
     return std::nullopt;
 }
 
+std::vector<std::string_view> list_items(std::string_view header) {
+    constexpr std::string_view kBlank = " \t";
+    std::vector<std::string_view> items;
+    while (!header.empty()) {
+        std::string_view item = header.substr(0, header.find(','));
+        header.remove_prefix(std::min(header.size(), item.size() + 1));
+        item.remove_prefix(std::min(item.size(), item.find_first_not_of(kBlank)));
+        item = item.substr(0, item.find_last_not_of(kBlank) + 1);
+        if (!item.empty()) items.push_back(item);
+    }
+    return items;
+}
+
 std::optional<std::string> percent_decode(std::string_view text) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); ++i) {

@@ -59,6 +59,9 @@ RequestHead parse_head(std::string_view head);
 /// A parameter of a header, `; key=value` or `; key="value"`; nothing where it is absent. `wanted` in lower case.
 std::optional<std::string> header_parameter(const std::string& header, std::string_view wanted);
 
+/// The items of a header that is a list, such as "gzip;q=0.5, br", each with its parameters.
+std::vector<std::string_view> list_items(std::string_view header);
+
 /// Percent-decoding; nothing where an escape is malformed.
 std::optional<std::string> percent_decode(std::string_view text);
 

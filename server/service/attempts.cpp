@@ -111,8 +111,11 @@ void Attempts::cancel_running(int64_t seq) {
 
 fs::path Attempts::ask_for_snapshot(int64_t seq) {
     Slot& slot = *slot_of(seq);
-    fs::path path = core_.files.films / (slot.running->film + ".s" + std::to_string(++slot.running->snapshots));
-    slot.process->send(message_json(SnapshotMessage{job_id(seq), path}));
+    RunningAttempt& running = *slot.running;
+    const bool is_asked_for = running.snapshot_asked_at == running.passes_done;
+    if (!is_asked_for) running.snapshot_asked_at = running.passes_done, ++running.snapshots;
+    fs::path path = core_.files.films / (running.film + ".s" + std::to_string(running.snapshots));
+    if (!is_asked_for) slot.process->send(message_json(SnapshotMessage{job_id(seq), path}));
     return path;
 }
 

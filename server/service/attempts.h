@@ -73,8 +73,8 @@ public:
     const RunningAttempt* running_attempt(int64_t seq) const;
     /// Tells the job's worker to let go of it, and kills that when it does not. Nothing happens where it does not run.
     void cancel_running(int64_t seq);
-    /// Has the worker of a running job save its film beside it; where, is returned. Its snapshot is there once
-    /// ServiceCore::attempt_changed says so.
+    /// Has the worker of a running job save its film beside it, once for all who ask during a pass; where, is returned.
+    /// Its snapshot is there once ServiceCore::attempt_changed says so.
     std::filesystem::path ask_for_snapshot(int64_t seq);
     const std::vector<std::unique_ptr<Slot>>& slots() const { return slots_; }
     /// What a queued job waits for, so that "waits for" can be said before it.

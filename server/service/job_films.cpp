@@ -2,8 +2,10 @@
 
 #include <utility>
 
+#include "server/asks_again.h"
 #include "server/row_text.h"
 #include "server/service/artefact_files.h"
+#include "server/try_later.h"
 
 namespace photond {
 
@@ -12,6 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr auto kSnapshotPatience = std::chrono::seconds(5);    // for the disk to take the film; then 202
+constexpr auto kMoment = std::chrono::milliseconds(300);       // the same where the client asks again
 constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger than this is "so far"
 
 }  // namespace
@@ -35,7 +38,9 @@ void JobFilms::pin(FilmSource& film) {
 
 FilmSource JobFilms::film_source(const std::string& id) {
     std::unique_lock lock(core_.mutex);
-    const auto give_up = SteadyClock::now() + kSnapshotPatience;
+    const bool asks_again = client_asks_again();
+    const auto give_up = SteadyClock::now() + (asks_again ? kMoment : kSnapshotPatience);
+    bool late = false;
     std::string asked_for;  // the snapshot under way for us
     while (true) {
         const JobRow row = objects_.require_job(id);
@@ -55,8 +60,10 @@ FilmSource JobFilms::film_source(const std::string& id) {
         }
         const RunningAttempt* attempt = attempts_.running_attempt(row.seq);
         if (!attempt || attempt->passes_done == 0) return {.pending = true};
-        if (const auto& snapshot = attempt->snapshot;
-            snapshot && (snapshot->passes_done >= attempt->passes_done || snapshot->path == asked_for ||
+        const auto& snapshot = attempt->snapshot;
+        const bool is_newest = snapshot && snapshot->passes_done >= attempt->passes_done;
+        if (asked_for.empty() && !is_newest) asked_for = attempts_.ask_for_snapshot(row.seq).string();
+        if (snapshot && (is_newest || snapshot->path == asked_for || (late && asks_again) ||
                          SteadyClock::now() - snapshot->saved < kSnapshotAge))
             return {false,
                     snapshot->path,
@@ -65,9 +72,9 @@ FilmSource JobFilms::film_source(const std::string& id) {
                     nullptr,
                     parsed_or_null(row.request),
                     snapshot};
-        if (asked_for.empty()) asked_for = attempts_.ask_for_snapshot(row.seq).string();
-        if (core_.stopping || core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout)
-            return {.pending = true};
+        if (late && asks_again) throw TryLater("the film so far is being saved", 1, true);
+        if (late || core_.stopping) return {.pending = true};
+        late = core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout;
     }
 }
 

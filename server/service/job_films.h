@@ -31,8 +31,9 @@ public:
     JobFilms(ServiceCore& core, Attempts& attempts, JobObjects& objects)
         : core_(core), attempts_(attempts), objects_(objects) {}
 
-    /// Takes the lock; of a running job it waits for the disk to take it. Throws NotFound, with the reason, where there
-    /// is none, and ResultLost where it is gone.
+    /// Takes the lock; of a running job it waits for the disk to take it, or for a moment where the client asks again,
+    /// and gives an older snapshot then. Throws NotFound, with the reason, where there is none, and ResultLost where it
+    /// is gone.
     FilmSource film_source(const std::string& id);
     /// Gives the film a second name that goes with the last user: it can be read whatever becomes of its job. With the
     /// lock or without. Throws NotFound where the job has just been removed.

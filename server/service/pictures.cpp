@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/asks_again.h"
 #include "server/processor_time.h"
 #include "server/try_later.h"
 
@@ -17,6 +18,11 @@ constexpr std::chrono::milliseconds kLook{250};  // whether the jobs are over
 
 TryLater not_now(const char* why) {
     return {std::string("a job renders, and ") + why, static_cast<int>(Pictures::kPatience.count())};
+}
+
+/// Of a picture in the line.
+TryLater under_way(int after_seconds) {
+    return {"a job renders, and this picture is drawn beside it", after_seconds, true};
 }
 
 }  // namespace
@@ -91,13 +97,14 @@ Artefact Pictures::drawn_beside(const std::string& name, const std::function<Art
     if (!picture) throw not_now("too many pictures wait to be drawn beside it");
     changed_.notify_all();
     if (!picture->over) {
+        if (client_asks_again()) throw under_way(1);
         if (callers_ >= kMostCallers) throw not_now("others wait for pictures to be drawn beside it");
         ++callers_;
         changed_.wait_for(lock, kPatience, [&] { return picture->over || stopping_; });
         --callers_;
     }
     if (stopping_) throw Error(ErrorCode::Unavailable, "the daemon is stopping");
-    if (!picture->over) throw not_now("this picture is drawn beside it");
+    if (!picture->over) throw under_way(static_cast<int>(kPatience.count()));
     line_.remove(*picture);
     if (picture->failure) std::rethrow_exception(picture->failure);
     return picture->drawn;

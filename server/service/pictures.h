@@ -41,7 +41,8 @@ public:
     using Draw =
         std::function<std::map<std::string, std::string>(const Draughtsman& by, const std::filesystem::path& path)>;
     /// The picture under `key` in the cache, drawn where it is not there; what `draw` holds lives until then. Waits for
-    /// the helper. Throws TryLater when it is not drawn within kPatience because a job renders, and what `draw` throws.
+    /// the helper. Throws TryLater when it is not drawn within kPatience because a job renders (of a client that
+    /// asks again: at once), and what `draw` throws.
     /// Whoever asks again then, by the same `name` (say, of a job's newest picture), gets what was drawn meanwhile.
     Artefact picture(const std::string& name, const std::string& key, const std::string& media_type, const Draw& draw);
     /// The same, always by the helper beside jobs: of what nobody waits for, and may take long.

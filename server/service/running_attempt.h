@@ -51,11 +51,12 @@ struct RunningAttempt {
     SteadyClock::time_point deadline = SteadyClock::time_point::max();  // of the attempt's own time
     SteadyClock::time_point kill_at = SteadyClock::time_point::max();   // when it has not answered a cancel
     bool deadline_passed = false;
-    uint64_t snapshots = 0;
-    bool device_shared = false;  // another job ran meanwhile on the same cores ...
-    bool host_shared = false;    // ... or at all
-    ProcessorSeconds taken;      // by other processes of ours meanwhile
-    std::string device_lost;     // the worker's reason; empty: it has said none
+    uint64_t snapshots = 0;          // asked for
+    int64_t snapshot_asked_at = -1;  // passes_done then
+    bool device_shared = false;      // another job ran meanwhile on the same cores ...
+    bool host_shared = false;        // ... or at all
+    ProcessorSeconds taken;          // by other processes of ours meanwhile
+    std::string device_lost;         // the worker's reason; empty: it has said none
     std::shared_ptr<const Snapshot> snapshot;
     /// How it ended, when the store could not be written (disk full): tried again until it can.
     std::function<void()> unsettled;

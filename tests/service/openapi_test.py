@@ -188,6 +188,10 @@ class OpenApiTest(unittest.TestCase):
         for name in ("image.exr", "preview.png", "pixels", "statistics.json"):
             self.assertEqual(ask("GET", f"/v1/jobs/{long_jobs[1]}/{name}").status, 202, name)
         self.assertEqual(ask("GET", flip + long_jobs[1]).status, 202)
+        self.daemon.wait_for_job(long_jobs[0], states=("running",))
+        for name in ("thumbnail.png", "preview.png"):  # of a scene that nobody has looked at
+            reply = ask("GET", f"/v1/scenes/keyhole/{name}", headers={"Prefer": "respond-async"})
+            self.assertEqual((reply.status, reply.headers["preference-applied"]), (202, "respond-async"), name)
         late = ask("POST", "/v1/render?wait=0", json_body=small_job())
         self.assertEqual(late.status, 202)
         long_jobs.append(late.json["id"])

@@ -8,7 +8,7 @@ import time
 import unittest
 
 from photond_daemon import (UNDER_SANITIZER, DaemonTestCase, deadline_after, processor_ticks, small_job,
-                            wait_until_at_rest)
+                            wait_until, wait_until_at_rest)
 
 IDLE_CLASS = 5  # SCHED_IDLE
 ENDLESS = 100_000_000  # passes
@@ -113,6 +113,63 @@ class PicturesBesideAJob(DaemonTestCase):
                 self.assertEqual(reply.status, 200, reply)
         image = self.daemon.request("GET", f"/v1/jobs/{self.measured}/image.exr")
         self.assertEqual(image.status, 200, "what somebody asked for is there at once")
+
+
+class PicturesOfASlowPass(DaemonTestCase):
+    """Who asks again is held by no pass. A preview of a job that runs shows the film after the pass at hand."""
+
+    asks_again = {"Prefer": "handling=strict, respond-async"}
+
+    def setUp(self):
+        self.job = self.daemon.submit(small_job(size=768, passes=ENDLESS))["id"]
+        wait_until(lambda: self.passes() > 0, "its first pass")
+        self.path = f"/v1/jobs/{self.job}/preview.png?max_size=64"
+
+    def tearDown(self):
+        self.daemon.request("DELETE", f"/v1/jobs/{self.job}")
+        self.daemon.wait_for_job(self.job)
+
+    def passes(self):
+        return self.daemon.job(self.job)["passes_done"]
+
+    def test_who_asks_again_is_answered_within_the_pass(self):
+        before = self.passes()
+        self.assertEqual(self.daemon.request("GET", self.path).status, 200)
+        self.assertGreater(self.passes(), before, "who does not waits for the pass")
+
+        def answered_within_a_pass():
+            before = self.passes()
+            begun = time.monotonic()
+            reply = self.daemon.request("GET", self.path, headers=self.asks_again)
+            print(f"answered {reply.status} after {time.monotonic() - begun:.3f} s")
+            self.assertEqual(reply.status, 200, "an older picture is one too")
+            return self.passes() == before
+
+        for _ in range(3):  # a pass may end meanwhile
+            wait_until(answered_within_a_pass, "the answer waits for the pass")
+
+    def test_what_was_asked_for_is_there_after_the_pass(self):
+        reply = self.daemon.request("GET", self.path, headers=self.asks_again)
+        if reply.status != 200:  # the pass ended meanwhile
+            self.assertEqual((reply.status, reply.headers["retry-after"], reply.body), (202, "1", b""))
+        seen = {}
+
+        def followed_for_four_passes():
+            passes = self.passes()
+            reply = self.daemon.request("GET", self.path, headers=self.asks_again)
+            if reply.status == 200:
+                seen.setdefault(reply.headers["etag"], passes)
+            return len(seen) > 3
+
+        wait_until(followed_for_four_passes, "a new picture after each pass")
+        first, *_, last = seen.values()
+        self.assertLessEqual(last - first, 2 * len(seen), "each pass has a picture, or nearly")
+
+    def test_a_scene_is_drawn_meanwhile(self):
+        reply = self.daemon.request("GET", preview(3, 64), headers=self.asks_again)
+        self.assertEqual((reply.status, reply.headers["retry-after"], reply.body), (202, "1", b""))
+        wait_until(lambda: self.daemon.request("GET", preview(3, 64), headers=self.asks_again).status == 200,
+                   "the picture that was asked for")
 
 
 class PicturesAlone(DaemonTestCase):

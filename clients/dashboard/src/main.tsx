@@ -10,6 +10,5 @@ import { App } from "./app/app";
 import { applyTheme } from "./app/theme";
 
 applyTheme();
-startEvents();
-await startVocabulary();
+await Promise.all([startEvents(), startVocabulary()]);
 render(<App />, document.getElementById("app")!);

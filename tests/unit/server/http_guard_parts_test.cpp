@@ -52,6 +52,13 @@ TEST(RequestHead, FindsParametersOfHeaders) {
     EXPECT_EQ(header_parameter("application/json; xcharset=latin1", "charset"), std::nullopt);
 }
 
+TEST(RequestHead, ItemsOfAList) {
+    using Items = std::vector<std::string_view>;
+    EXPECT_EQ(list_items("br, gzip;q=0.5\t, *"), (Items{"br", "gzip;q=0.5", "*"}));
+    EXPECT_EQ(list_items(" ,, respond-async ,"), (Items{"respond-async"}));
+    EXPECT_EQ(list_items(""), Items{});
+}
+
 // Whatever the pieces in which a head arrives, its end is found at the same byte.
 TEST(HeadScanner, FindsTheEndInAnyPieces) {
     const std::string text = "\r\n\r\nGET / HTTP/1.1\r\nHost: a\r\nX: y\r\n\r\nbody\r\n\r\n";

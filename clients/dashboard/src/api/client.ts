@@ -1,7 +1,8 @@
 // Requests to the daemon: the token of who looks, and its problems as errors that name every fault.
 
-import { signal } from "@preact/signals";
-
+import { askSlowly } from "./shared";
+import { needsToken, token } from "./token";
+import { authorization } from "./token_header";
 import type { Fault, ProblemBody } from "./types";
 
 /** The daemon's answer to a request it did not carry out (RFC 9457). */
@@ -23,28 +24,9 @@ export class Problem extends Error {
 /** Nobody answered. */
 export class Unreachable extends Error {}
 
-const kTokenKey = "photond.token";
+const kWithoutBody = [204, 205, 304]; // a Response refuses one
 
-/** True once the daemon has asked for a token that it knows: the shell then shows the sign-in. */
-export const needsToken = signal(false);
-
-export function signIn(token: string): void {
-  sessionStorage.setItem(kTokenKey, token);
-  needsToken.value = false;
-}
-
-export const hasToken = (): boolean => sessionStorage.getItem(kTokenKey) !== null;
-
-const authorization = (): Record<string, string> => {
-  const token = sessionStorage.getItem(kTokenKey);
-  return token ? { Authorization: `Bearer ${token}` } : {};
-};
-
-function withToken(init: RequestInit): RequestInit {
-  const headers = new Headers(init.headers);
-  for (const [name, value] of Object.entries(authorization())) headers.set(name, value);
-  return { ...init, headers };
-}
+const withToken = (init: RequestInit): RequestInit => ({ ...init, headers: { ...Object.fromEntries(new Headers(init.headers)), ...authorization(token()) } });
 
 function problemIn(text: string, status: number, statusText: string, retryAfter: string | null = null): Problem {
   const seconds = retryAfter ? Number(retryAfter) : NaN;
@@ -56,47 +38,59 @@ function problemIn(text: string, status: number, statusText: string, retryAfter:
   }
 }
 
-/** An answer below 400. Throws Problem, or Unreachable where there was none; an abort stays an AbortError. */
-export async function ask(path: string, init: RequestInit = {}): Promise<Response> {
-  let answer: Response;
-  try {
-    answer = await fetch(path, withToken(init));
-  } catch (failure) {
-    if (failure instanceof DOMException && failure.name === "AbortError") throw failure;
-    throw new Unreachable("the daemon does not answer");
-  }
+/** The answer where it is below 400; else throws a Problem. */
+async function taken(answer: Response): Promise<Response> {
   if (answer.status === 401) needsToken.value = true;
   if (answer.status >= 400) throw problemIn(await answer.text(), answer.status, answer.statusText, answer.headers.get("Retry-After"));
   return answer;
 }
 
+function failed(failure: unknown): never {
+  if (failure instanceof DOMException && failure.name === "AbortError") throw failure;
+  throw new Unreachable("the daemon does not answer");
+}
+
+/**
+ * An answer below 400. Throws Problem, or Unreachable where there was none; an abort stays an AbortError. What somebody
+ * does goes before what is looked at.
+ */
+export async function ask(path: string, init: RequestInit = {}): Promise<Response> {
+  const priority = init.method && init.method !== "GET" ? "high" : "auto";
+  return taken(await fetch(path, { priority, ...withToken(init) }).catch(failed));
+}
+
 /** Rejects with an AbortError where it is stopped meanwhile. */
-const pause = (seconds: number, stop?: AbortSignal | null): Promise<void> =>
+const pause = (seconds: number, stop: AbortSignal): Promise<void> =>
   new Promise((resolve, reject) => {
     const abort = () => {
       clearTimeout(timer);
       reject(new DOMException("stopped", "AbortError"));
     };
     const timer = setTimeout(() => {
-      stop?.removeEventListener("abort", abort);
+      stop.removeEventListener("abort", abort);
       resolve();
     }, 1000 * seconds);
-    if (stop?.aborted) abort();
-    else stop?.addEventListener("abort", abort, { once: true });
+    if (stop.aborted) abort();
+    else stop.addEventListener("abort", abort, { once: true });
   });
 
+const again = (answer: Response): number | null => {
+  const waits = answer.status === 503 || (answer.status === 202 && answer.headers.has("Preference-Applied"));
+  const seconds = waits ? Number(answer.headers.get("Retry-After") ?? NaN) : NaN;
+  return seconds >= 0 ? seconds : null;
+};
+
 /**
- * The same, asked again while the daemon says when to (503: pictures wait while a job renders), until `enough` says that
- * nobody wants it any more.
+ * The answer to a GET that may take the daemon some time, as pictures do: few are asked for at once in all tabs
+ * (slow_requests.ts), and again while the daemon says when to, until `enough` says that nobody wants it any more.
  */
-export async function askPatiently(path: string, init: RequestInit = {}, enough: () => boolean = () => false): Promise<Response> {
+export async function askPatiently(path: string, signal = new AbortController().signal, enough: () => boolean = () => false): Promise<Response> {
   for (;;) {
-    try {
-      return await ask(path, init);
-    } catch (failure) {
-      if (!(failure instanceof Problem) || failure.status !== 503 || failure.retryAfterSeconds === null || enough()) throw failure;
-      await pause(failure.retryAfterSeconds, init.signal);
-    }
+    const { body, ...head } = await askSlowly(path, signal).catch(failed);
+    const answer = new Response(kWithoutBody.includes(head.status) ? null : body, head);
+    const seconds = again(answer);
+    if (seconds === null || enough()) return taken(answer);
+    await pause(seconds, signal);
   }
 }
 
@@ -137,7 +131,7 @@ export function uploadTelling<T>(path: string, file: Blob | FormData, mediaType:
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open("POST", path);
-    for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
+    for (const [name, value] of Object.entries(authorization(token()))) request.setRequestHeader(name, value);
     if (mediaType) request.setRequestHeader("Content-Type", mediaType);
     request.upload.onprogress = (event) => event.lengthComputable && tell(event.loaded / event.total);
     request.upload.onload = () => tell(1);

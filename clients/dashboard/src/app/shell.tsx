@@ -4,8 +4,8 @@ import type { ComponentChildren } from "preact";
 import { useLocation } from "preact-iso";
 import { useMemo } from "preact/hooks";
 
-import { needsToken } from "../api/client";
 import { connection, daemonStatus } from "../api/events";
+import { needsToken } from "../api/token";
 import { Toasts } from "../ui/toasts";
 import { Keyboard, showKeys, useKeys } from "./keyboard";
 import { SignIn } from "./sign_in";

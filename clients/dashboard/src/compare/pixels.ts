@@ -95,7 +95,7 @@ export interface Fetched {
 }
 
 async function fetchPixels(path: string, precision: Precision, signal: AbortSignal): Promise<Fetched | null> {
-  const answer = await askPatiently(path, { signal });
+  const answer = await askPatiently(path, signal);
   if (answer.status === 202) return null;
   const number = (name: string) => Number(answer.headers.get(name) ?? NaN);
   const bytes = await answer.arrayBuffer();

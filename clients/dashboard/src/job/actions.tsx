@@ -6,6 +6,7 @@ import { useState } from "preact/hooks";
 import { Problem, sendJson } from "../api/client";
 import { isOver, type Fault, type Job, type StopConditions } from "../api/types";
 import { clampPriority, doTo, type BulkAction } from "../jobs/bulk";
+import { ActionButton } from "../ui/action_button";
 import { Dialog } from "../ui/dialog";
 import { stopText } from "../ui/format";
 import { StopFields } from "../ui/stop_fields";
@@ -71,11 +72,9 @@ function PriorityDialog({ job, onChanged, onClose }: Props & { onClose: () => vo
         class="stack job-dialog"
         onSubmit={(event) => {
           event.preventDefault();
-          doTo(job.id, { kind: "priority", priority }).then(() => {
-            say(`${job.id} has priority ${priority}.`);
-            onChanged();
-            onClose();
-          }, sayFailure);
+          onClose();
+          say(`${job.id}: priority ${priority} …`);
+          doTo(job.id, { kind: "priority", priority }).then(onChanged, sayFailure);
         }}
       >
         <label class="field">
@@ -97,7 +96,7 @@ function PurgeDialog({ job, onClose }: { job: Job; onClose: () => void }) {
     doTo(job.id, { kind: "purge" }).then(() => {
       say(`${job.id} removed.`);
       route("/jobs");
-    }, sayFailure);
+    });
   return (
     <Dialog title={`Remove ${job.id}`} onClose={onClose}>
       <div class="stack job-dialog">
@@ -105,9 +104,9 @@ function PurgeDialog({ job, onClose }: { job: Job; onClose: () => void }) {
           The job goes, with its image and everything that was measured{isOver(job.state) ? "" : "; it is cancelled first"}. That cannot be undone.
         </p>
         <div class="row">
-          <button class="danger" onClick={() => void purge()}>
+          <ActionButton class="danger" busy="Removing …" until={job.id} run={purge}>
             Remove
-          </button>
+          </ActionButton>
           <button onClick={onClose}>Leave it</button>
         </div>
       </div>
@@ -117,12 +116,11 @@ function PurgeDialog({ job, onClose }: { job: Job; onClose: () => void }) {
 
 export type Asked = "extend" | "priority" | "purge" | null;
 
-/** Does what needs no question; says so, and what the daemon says against it. */
-export function doNow(job: Job, action: BulkAction, done: string, onChanged: () => void): void {
-  doTo(job.id, action).then(() => {
-    say(`${job.id} ${done}.`);
-    onChanged();
-  }, sayFailure);
+/** Does what needs no question, and says so. */
+export async function doNow(job: Job, action: BulkAction, done: string, onChanged: () => void): Promise<void> {
+  await doTo(job.id, action);
+  say(`${job.id} ${done}.`);
+  onChanged();
 }
 
 export function Actions({ job, onChanged, asked, ask }: Props & { asked: Asked; ask: (what: Asked) => void }) {
@@ -136,16 +134,16 @@ export function Actions({ job, onChanged, asked, ask }: Props & { asked: Asked; 
       </a>
       {canExtend && <button onClick={() => ask("extend")}>Extend</button>}
       {canRetry && (
-        <button class="primary" onClick={() => doNow(job, { kind: "retry" }, "is queued again", onChanged)}>
+        <ActionButton class="primary" busy="Queueing it …" until={job.state} run={() => doNow(job, { kind: "retry" }, "is queued again", onChanged)}>
           Retry
-        </button>
+        </ActionButton>
       )}
       {!over && (
         <>
           <button onClick={() => ask("priority")}>Priority {job.request.priority}</button>
-          <button class="danger" onClick={() => doNow(job, { kind: "cancel" }, "cancelled; what it rendered stays", onChanged)}>
+          <ActionButton class="danger" busy="Cancelling …" until={job.state} run={() => doNow(job, { kind: "cancel" }, "cancelled; what it rendered stays", onChanged)}>
             Cancel
-          </button>
+          </ActionButton>
         </>
       )}
       <button class="quiet" onClick={() => ask("purge")}>

@@ -232,13 +232,13 @@ function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stal
     "This job",
     [
       { key: "e", text: "clone and edit", run: () => route(`/render?from=${job.id}`) },
-      { key: "c", text: "cancel", run: () => (over ? say(`${job.id} is over.`) : doNow(job, { kind: "cancel" }, "cancelled; what it rendered stays", reload)) },
+      { key: "c", text: "cancel", run: () => (over ? say(`${job.id} is over.`) : doNow(job, { kind: "cancel" }, "cancelled; what it rendered stays", reload).catch(sayFailure)) },
       {
         key: "r",
         text: "retry",
         run: () =>
           job.state === "failed" || job.state === "cancelled"
-            ? doNow(job, { kind: "retry" }, "is queued again", reload)
+            ? doNow(job, { kind: "retry" }, "is queued again", reload).catch(sayFailure)
             : say(`${job.id} is ${job.state}: a retry is for jobs that failed or were cancelled.`),
       },
     ],

@@ -2,7 +2,8 @@
 
 import { useState } from "preact/hooks";
 
-import { ask, download, hasToken, saveBlob } from "../api/client";
+import { ask, download, saveBlob } from "../api/client";
+import { token } from "../api/token";
 import type { Job, Method } from "../api/types";
 import { curlText, minimalRequest, pythonText } from "../ui/job_request";
 import { say, sayFailure } from "../ui/toasts";
@@ -13,7 +14,7 @@ export function Repeat({ job, methods }: { job: Job; methods: Method[] }) {
   const [tab, setTab] = useState<(typeof kTabs)[number]>("curl");
   const request = minimalRequest(job.request, methods);
   const texts = {
-    curl: () => curlText(request, window.location.origin, hasToken()),
+    curl: () => curlText(request, window.location.origin, token() !== null),
     Python: () => pythonText(request, window.location.origin),
     JSON: () => JSON.stringify(request, null, 2),
   };

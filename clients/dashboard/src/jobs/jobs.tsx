@@ -155,10 +155,15 @@ function JobsOf({ filter, list, onFilter, input, grid }: Props) {
     if (!one || action.kind === "purge") return setBulk({ action, targets: of });
     if (!statesFor(action).includes(one.state)) return say(`${one.id} is ${one.state}; that goes for jobs that are ${statesFor(action).join(" or ")}.`);
     const done = action.kind === "priority" ? `has priority ${action.priority}` : kActionWords[action.kind].done;
-    doTo(one.id, action).then(() => {
-      list.patch({ id: one.id, ...(action.kind === "priority" ? { priority: action.priority } : {}) });
-      say(`${one.id} ${done}.`);
-    }, sayFailure);
+    const set = (priority: number) => action.kind === "priority" && list.patch({ id: one.id, priority });
+    if (action.kind === "priority") set(action.priority);
+    doTo(one.id, action).then(
+      () => say(`${one.id} ${done}.`),
+      (failure: unknown) => {
+        set(one.priority);
+        sayFailure(failure);
+      },
+    );
   };
   const changePriority = (by: number) => {
     const of = targets();

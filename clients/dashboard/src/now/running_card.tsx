@@ -6,6 +6,7 @@ import { sendJson } from "../api/client";
 import { listen } from "../api/events";
 import type { CurvePoint, Job, JobSummary } from "../api/types";
 import { errorPoints, lineOf } from "../job/error_points";
+import { ActionButton } from "../ui/action_button";
 import { errorWithInterval, type DrawnError } from "../ui/error_interval";
 import { kNone, numberText, plainName, sizeText, stopText } from "../ui/format";
 import { LiveChart } from "../ui/live_chart";
@@ -13,7 +14,7 @@ import { useLivePreview } from "../ui/live_preview";
 import { PictureFrame } from "../ui/picture";
 import { passesText, progressText } from "../ui/progress";
 import { useRemote } from "../ui/remote";
-import { say, sayFailure } from "../ui/toasts";
+import { say } from "../ui/toasts";
 
 /** The job's curve: as it was when the card appeared, and what events have added. */
 function useCurve(job: Job | null): CurvePoint[] {
@@ -64,17 +65,7 @@ export function RunningCard({ row }: { row: JobSummary }) {
   const path = `/v1/jobs/${row.id}`;
   const { data: job } = useRemote<Job>(path);
   const image = useLivePreview(`${path}/preview.png?max_size=320`, row.passes_done);
-  const [cancelling, setCancelling] = useState(false);
-  const cancel = async () => {
-    setCancelling(true);
-    try {
-      await sendJson("DELETE", path);
-      say(`${row.id} stops; what it has rendered stays.`);
-    } catch (failure) {
-      setCancelling(false);
-      sayFailure(failure);
-    }
-  };
+  const cancel = () => sendJson("DELETE", path).then(() => say(`${row.id} stops; what it has rendered stays.`));
   const titleId = `running-${row.id}`;
   return (
     <article class="panel now-card" aria-labelledby={titleId}>
@@ -86,9 +77,9 @@ export function RunningCard({ row }: { row: JobSummary }) {
           <h3 id={titleId}>
             <a href={`/jobs/${row.id}`}>{plainName(row.method)}</a>
           </h3>
-          <button class="quiet" disabled={cancelling} onClick={() => void cancel()} aria-label={`Cancel ${row.id}`}>
-            {cancelling ? "Stopping …" : "Cancel"}
-          </button>
+          <ActionButton class="quiet" busy="Cancelling …" until={row.id} run={cancel} label={`Cancel ${row.id}`}>
+            Cancel
+          </ActionButton>
         </header>
         <p class="muted small">
           {row.id} · {row.scene} · {sizeText(row)} · {row.device}

@@ -65,7 +65,7 @@ function usePictures(scene: string, view: View): { shown: Shown | null; failure:
     let url: string | null = null;
     let timer = 0;
     const pictures: NewestFirst<Wish, Blob> = new NewestFirst<Wish, Blob>(
-      async (wish, signal) => (await askPatiently(pathOf(scene, wish), { signal }, () => pictures.waits)).blob(),
+      async (wish, signal) => (await askPatiently(pathOf(scene, wish), signal, () => pictures.waits)).blob(),
       ({ wish, answer, failure, milliseconds }) => {
         setFailure(failure ?? null);
         if (!answer) return;

@@ -19,7 +19,7 @@ export function useFramePictures(frames: SequenceFrame[]): HeldPictures {
   useEffect(() => {
     const stop = new AbortController();
     const fetchPicture = async (id: string) => {
-      const answer = await askPatiently(`/v1/jobs/${id}/preview.png?max_size=${kSide}`, { signal: stop.signal });
+      const answer = await askPatiently(`/v1/jobs/${id}/preview.png?max_size=${kSide}`, stop.signal);
       return answer.status === 200 ? answer.blob() : null;
     };
     const pause = () => new Promise<void>((goOn) => setTimeout(goOn, kPauseMs));

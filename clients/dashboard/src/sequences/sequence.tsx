@@ -10,6 +10,7 @@ import { isOver, type Page, type Sequence, type SequenceSummary } from "../api/t
 import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
+import { ActionButton } from "../ui/action_button";
 import { percentText, secondsText, stopText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { StateMark } from "../ui/state";
@@ -117,8 +118,8 @@ function Shown({ sequence, other, reload }: { sequence: Sequence; other: Sequenc
     [sequence],
   );
   const over = isOver(sequence.state);
-  const cancel = () => sendJson("DELETE", `/v1/sequences/${sequence.id}`).then(reload, sayFailure);
-  const remove = () => sendJson("DELETE", `/v1/sequences/${sequence.id}?purge=true`).then(() => route("/sequences"), sayFailure);
+  const cancel = () => sendJson("DELETE", `/v1/sequences/${sequence.id}`).then(reload);
+  const remove = () => sendJson("DELETE", `/v1/sequences/${sequence.id}?purge=true`).then(() => route("/sequences"));
   const save = (images: "exr" | "png") => download(`${sequence.links.frames}?images=${images}`, `${sequence.id}-${images}.zip`).catch(sayFailure);
   const saveVideo = async () => {
     const video = await (await ask(`/v1/sequences/${sequence.id}/video`)).blob();
@@ -129,11 +130,13 @@ function Shown({ sequence, other, reload }: { sequence: Sequence; other: Sequenc
     <>
       <Title text={`Sequence ${sequence.id}`}>
         {over ? (
-          <button class="danger" onClick={() => void remove()}>
+          <ActionButton class="danger" busy="Removing …" until={sequence.state} run={remove}>
             Remove with its frames
-          </button>
+          </ActionButton>
         ) : (
-          <button onClick={() => void cancel()}>Cancel</button>
+          <ActionButton busy="Cancelling …" until={sequence.state} run={cancel}>
+            Cancel
+          </ActionButton>
         )}
       </Title>
       <div class="stack">

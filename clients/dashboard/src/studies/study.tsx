@@ -9,6 +9,7 @@ import { download, Problem, sendJson } from "../api/client";
 import { isOver, type Comparison, type ComparisonReport } from "../api/types";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
+import { ActionButton } from "../ui/action_button";
 import { percentText, stopText } from "../ui/format";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
@@ -158,7 +159,7 @@ function Actions({ study, report }: { study: LiveStudy; report: ComparisonReport
     download(`/v1/comparisons/${report.id}/report.${kind}`, `${report.id}.${kind}`).catch(sayFailure);
   };
   const cancel = () =>
-    sendJson("DELETE", `/v1/comparisons/${report.id}`).then(study.reload, sayFailure);
+    sendJson("DELETE", `/v1/comparisons/${report.id}`).then(study.reload);
   const remove = () => {
     if (!window.confirm(`Remove ${report.id}, its jobs and their images? This cannot be undone.`)) return;
     sendJson("DELETE", `/v1/comparisons/${report.id}?purge=true`).then(() => route("/studies"), sayFailure);
@@ -170,9 +171,9 @@ function Actions({ study, report }: { study: LiveStudy; report: ComparisonReport
           Remove
         </button>
       ) : (
-        <button class="danger" onClick={() => void cancel()}>
+        <ActionButton class="danger" busy="Cancelling …" until={report.state} run={cancel}>
           Cancel
-        </button>
+        </ActionButton>
       )}
       <details class="study-downloads" ref={menu}>
         <summary class="button">Download</summary>

@@ -31,7 +31,7 @@ export function useLivePreview(path: string, version: number): BlobImage {
       begun = performance.now();
       const asked = wanted.current;
       try {
-        const answer = await askPatiently(path, { signal: stop.signal, cache: "no-store" });
+        const answer = await askPatiently(path, stop.signal);
         const blob = answer.status === 202 ? null : await answer.blob();
         if (stop.signal.aborted) return;
         if (blob) show(URL.createObjectURL(blob), null);

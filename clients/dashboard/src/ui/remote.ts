@@ -28,7 +28,7 @@ export function useRemote<T>(path: string | null, patient = false): Remote<T> {
     if (path === null) return setState({ path, data: null, failure: null, loading: false });
     const stop = new AbortController();
     setState((old) => ({ path, data: old.path === path ? old.data : null, failure: null, loading: true }));
-    const answer = patient ? askPatiently(path, { signal: stop.signal }).then((found) => found.json() as Promise<T>) : getJson<T>(path, {}, stop.signal);
+    const answer = patient ? askPatiently(path, stop.signal).then((found) => found.json() as Promise<T>) : getJson<T>(path, {}, stop.signal);
     answer.then(
       (data) => setState({ path, data, failure: null, loading: false }),
       (failure: Error) => {
@@ -69,7 +69,7 @@ export function useImage(path: string | null, version: string | number = 0): Blo
     if (shownPath.current !== path) replace(null, null);
     shownPath.current = path;
     if (path === null) return;
-    askPatiently(path, { signal: stop.signal })
+    askPatiently(path, stop.signal)
       .then((answer) => (answer.status === 202 ? null : answer.blob()))
       .then(
         (blob) => {
