@@ -8,6 +8,7 @@ import { afterEach, test } from "node:test";
 import { fileURLToPath } from "node:url";
 
 import { historyOf } from "./history.mjs";
+import { CountingProxy } from "./counting_proxy.mjs";
 import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 
 const repository = resolve(dirname(fileURLToPath(import.meta.url)), "../..");
@@ -56,9 +57,9 @@ test("shows the layer, the exposure and the error that the address says", async 
   await image.getByRole("button", { name: "FLIP" }).click();
   await page.waitForURL(/show=flip/);
   await image.getByRole("img", { name: /^flip of/ }).waitFor();
-  const asked = page.waitForResponse((response) => response.url().includes("preview.png") && response.url().includes("exposure=2") && response.url().includes("layer=indirect"));
-  await page.goto(`${daemon.url}/jobs/${measured.id}?layer=indirect&exposure=2&curve=filmic`);
-  assert.equal((await asked).status(), 200);
+  const proxy = await CountingProxy.before(daemon); // pictures are asked for by a worker, whose requests the page does not see
+  await page.goto(`${proxy.url}/jobs/${measured.id}?layer=indirect&exposure=2&curve=filmic`);
+  await eventually(() => assert.ok(proxy.asked.some((line) => ["preview.png", "exposure=2", "layer=indirect"].every((part) => line.includes(part)))));
   await image.getByRole("button", { name: "indirect", pressed: true }).waitFor();
   // Layers without a picture lead to where their numbers are.
   assert.match(await image.getByRole("link", { name: "depth" }).getAttribute("href"), /\/compare\?images=job:J\d+&layer=depth/);

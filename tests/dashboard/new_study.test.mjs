@@ -19,7 +19,7 @@ const sent = async () => {
 
 test("from the start page a newcomer compares methods by pressing twice", async () => {
   await page.getByRole("banner").getByRole("link", { name: "Compare methods" }).click();
-  await summary.getByText(/MiB at most/).waitFor();
+  await summary.getByText(/MB at most/).waitFor();
   await page.locator(".new-study-scene img").first().waitFor();
   await shoot(page, "new-study", { fullPage: true });
   await axeClean(page);
@@ -32,7 +32,7 @@ test("from the start page a newcomer compares methods by pressing twice", async 
 
 test("entries, a sweep, budget and seeds are chosen; the estimate follows", async () => {
   await page.goto(`${daemon.url}/studies/new?scene=keyhole&preset=paths-photons`);
-  await summary.getByText(/MiB at most/).waitFor();
+  await summary.getByText(/MB at most/).waitFor();
   await page.getByRole("button", { name: "128 × 128" }).click();
   await page.getByLabel("Width").fill("32");
   await page.getByLabel("Height").fill("24");
@@ -65,12 +65,12 @@ test("faults are said at their fields, and nothing is sent", async () => {
   await page.getByLabel("Width").fill("0");
   await page.getByRole("region", { name: "Scene" }).locator(".fault").first().waitFor();
   await page.getByLabel("Width").fill("32");
-  await summary.getByText(/MiB at most/).waitFor();
+  await summary.getByText(/MB at most/).waitFor();
 });
 
 test("a reload loses nothing, and the comparison can be had again and changed", async () => {
   await page.reload();
-  await summary.getByText(/MiB at most/).waitFor();
+  await summary.getByText(/MB at most/).waitFor();
   await summary.getByText("As JSON").click();
   await eventually(async () => assert.deepEqual((await json()).seeds, [3, 4]));
   const comparison = await sent();
@@ -88,7 +88,7 @@ test("a reload loses nothing, and the comparison can be had again and changed", 
 test("nothing is wider than a phone, and the browser has nothing to complain of", async () => {
   await page.goto(`${daemon.url}/studies/new`);
   await page.setViewportSize({ width: 390, height: 844 });
-  await summary.getByText(/MiB at most/).waitFor();
+  await summary.getByText(/MB at most/).waitFor();
   await fitsItsWidth(page);
   await shoot(page, "new-study-phone");
   expectNoComplaints(page);

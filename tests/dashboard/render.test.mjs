@@ -19,7 +19,7 @@ const submitted = async () => {
 };
 
 test("a newcomer renders an image, seeing before what it takes", async () => {
-  await estimate.getByText(/MiB|KiB/).waitFor();
+  await estimate.getByText(/MB|kB/).waitFor();
   await page.locator(".render-thumbnail img").waitFor();
   await shoot(page, "render", { fullPage: true });
   await axeClean(page);
@@ -79,7 +79,7 @@ test("every fault the daemon finds stands at its field", async () => {
   await page.locator(".render-faults").getByRole("button").first().click();
   await page.waitForFunction(() => document.activeElement.id === "render-labels");
   await page.getByLabel("Labels").fill("study=x");
-  await estimate.getByText(/MiB|KiB/).waitFor();
+  await estimate.getByText(/MB|kB/).waitFor();
   // What was changed is there after the page was loaded again, and is given up when one starts over.
   await page.reload();
   await has(page.getByLabel("Width"), "256");
@@ -154,7 +154,7 @@ test("a scene that moves is rendered at a moment of it", async () => {
   await page.locator("#render-method-method").selectOption("progressive_photon_mapping");
   await page.locator("#render-shutter-about").getByText(/build on those before/).waitFor();
   await page.locator("#render-method-method").selectOption("path_tracing");
-  await estimate.getByText(/MiB|KiB/).waitFor();
+  await estimate.getByText(/MB|kB/).waitFor();
   assert.ok(await page.getByLabel("Shutter").isVisible()); // a fault that is mended closes nothing
   await shoot(page, "render-moment", { fullPage: true });
   await axeClean(page);
@@ -198,13 +198,13 @@ test("the JSON is another face of the form", async () => {
 test("fits a telephone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${daemon.url}/render`);
-  await estimate.getByText(/MiB|KiB/).waitFor();
+  await estimate.getByText(/MB|kB/).waitFor();
   await fitsItsWidth(page);
   await shoot(page, "render-narrow", { fullPage: true });
   await axeClean(page);
   await page.goto(`${daemon.url}/render?scene=moving%2Fcornell-box&animation=everything&time=1.5`);
   await has(page.getByLabel("Time", { exact: true }), "1.5");
-  await estimate.getByText(/MiB|KiB/).waitFor();
+  await estimate.getByText(/MB|kB/).waitFor();
   await fitsItsWidth(page);
   await shoot(page, "render-moment-narrow", { fullPage: true });
 });

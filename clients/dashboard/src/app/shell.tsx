@@ -5,7 +5,8 @@ import { useLocation } from "preact-iso";
 import { useMemo } from "preact/hooks";
 
 import { connection, daemonStatus } from "../api/events";
-import { needsToken } from "../api/token";
+import { signOut } from "../api/shared";
+import { needsToken, token } from "../api/token";
 import { Toasts } from "../ui/toasts";
 import { Keyboard, showKeys, useKeys } from "./keyboard";
 import { SignIn } from "./sign_in";
@@ -89,6 +90,11 @@ export function Shell({ children }: { children: ComponentChildren }) {
           <button class="quiet" onClick={nextTheme} title="Dark, light, or as the system has it">
             {theme.value === "system" ? "Auto" : theme.value === "dark" ? "Dark" : "Light"}
           </button>
+          {token() !== null && (
+            <button class="quiet" onClick={signOut} title="In all tabs of this browser">
+              Sign out
+            </button>
+          )}
           <button class="quiet" onClick={showKeys} aria-label="Keys" title="Keys (?)">
             ?
           </button>

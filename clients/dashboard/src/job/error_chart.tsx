@@ -91,7 +91,7 @@ function optionsOf(latest: { current: Props }, width: number): uPlot.Options {
     },
     axes: [
       { ...axis, label: props.against === "seconds" ? "render time" : "passes", labelSize: 20, size: 34, filter: labelled, values: written(xText), space: 70 },
-      { ...axis, size: 64, filter: labelled, values: written((value) => numberText(value)) },
+      { ...axis, label: props.metrics.length === 1 ? plainName(props.metrics[0]!) : "error", labelSize: 20, size: 56, filter: labelled, values: written((value) => numberText(value)) },
     ],
     series: [
       { label: props.against === "seconds" ? "time" : "passes", value: (_, value) => (value === null ? kNone : xText(value)) },

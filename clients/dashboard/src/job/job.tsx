@@ -14,6 +14,7 @@ import { errorWithInterval } from "../ui/error_interval";
 import { kNone, percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
 import { momentText } from "../ui/moment_text";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { say, sayFailure } from "../ui/toasts";
 import { Actions, doNow, type Asked } from "./actions";
 import { ErrorCurve } from "./error_chart";
@@ -113,7 +114,7 @@ function Facts({ job }: { job: Job }) {
     <dl class="facts">
       <dt>Scene</dt>
       <dd>
-        <a href={`/scenes/${encodeURIComponent(request.scene)}`}>{request.scene}</a>
+        <a href={`/scenes/${encodeURIComponent(request.scene)}`} title={request.scene}>{sceneName(request.scene)}</a>
       </dd>
       {moment && (
         <>

@@ -10,6 +10,7 @@ import { isOver, type JobSummary } from "../api/types";
 import { useKeys, type Key } from "../app/keyboard";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
+import { DropRequest } from "../render/drop_request";
 import { say, sayFailure } from "../ui/toasts";
 import { clampPriority, doTo, jobsText, kActionWords, statesFor, type BulkAction } from "./bulk";
 import { BulkDialog, type Targets } from "./bulk_dialog";
@@ -295,6 +296,7 @@ function JobsOf({ filter, list, onFilter, input, grid }: Props) {
           </div>
         )}
       </div>
+      <DropRequest />
       {bulk && (
         <BulkDialog
           {...bulk}

@@ -6,6 +6,7 @@ import { Component } from "preact";
 import type { JobSummary } from "../api/types";
 import { shortError } from "../ui/error_interval";
 import { kNone, percentText, plainName, secondsText, timeText } from "../ui/format";
+import { sceneName } from "../ui/scene_names";
 
 export interface Column {
   name: string;
@@ -73,7 +74,7 @@ function Cells({ job }: { job: JobSummary }) {
       </>
     ),
     state: <State job={job} />,
-    scene: job.scene,
+    scene: <span title={job.scene}>{sceneName(job.scene)}</span>,
     method: plainName(job.method),
     device: job.device,
     size: `${job.width}×${job.height}`,

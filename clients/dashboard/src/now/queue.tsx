@@ -3,6 +3,7 @@
 import { sendJson } from "../api/client";
 import type { JobSummary } from "../api/types";
 import { plainName, sizeText } from "../ui/format";
+import { sceneName } from "../ui/scene_names";
 import { sayFailure } from "../ui/toasts";
 
 const kStep = 10;
@@ -16,7 +17,7 @@ function Row({ row }: { row: JobSummary }) {
       <span class="now-queue-what">
         <a href={`/jobs/${row.id}`}>{row.id}</a> {plainName(row.method)}
         <span class="muted small">
-          {row.scene} · {sizeText(row)} · {row.device}
+          {sceneName(row.scene)} · {sizeText(row)} · {row.device}
           {row.role === "reference" ? " · reference" : ""}
           {row.comparison ? ` · study ${row.comparison}` : ""}
         </span>

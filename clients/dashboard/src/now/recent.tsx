@@ -7,6 +7,7 @@ import { errorNowText } from "../ui/error_interval";
 import { plainName, secondsText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 
 const kStudiesShown = 5;
@@ -27,7 +28,7 @@ function RecentJob({ row }: { row: JobSummary }) {
           <strong>{plainName(row.method)}</strong> <StateMark state={row.state} />
         </span>
         <span class="muted small">
-          {row.id} · {row.scene} · {secondsText(row.seconds)}
+          {row.id} · {sceneName(row.scene)} · {secondsText(row.seconds)}
           {row.role === "reference" ? " · reference" : ""}
         </span>
         <span class={row.failure ? "small now-failure" : "muted small"} title={row.failure ?? undefined}>
@@ -67,7 +68,7 @@ function StudyRow({ study }: { study: ComparisonSummary }) {
     <li class="now-study">
       <span>
         <a href={`/studies/${study.id}`}>{study.request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")}</a>{" "}
-        <span class="muted">on {study.request.scene}</span>
+        <span class="muted">on {sceneName(study.request.scene)}</span>
       </span>
       <span class="small">
         <StateMark state={study.state} /> <span class="muted">{study.id}</span>

@@ -14,6 +14,7 @@ import { useLivePreview } from "../ui/live_preview";
 import { PictureFrame } from "../ui/picture";
 import { passesText, progressText } from "../ui/progress";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { say } from "../ui/toasts";
 
 /** The job's curve: as it was when the card appeared, and what events have added. */
@@ -82,7 +83,7 @@ export function RunningCard({ row }: { row: JobSummary }) {
           </ActionButton>
         </header>
         <p class="muted small">
-          {row.id} · {row.scene} · {sizeText(row)} · {row.device}
+          {row.id} · {sceneName(row.scene)} · {sizeText(row)} · {row.device}
           {row.role === "reference" ? " · a reference, for others to be measured against" : ""}
           {row.comparison && (
             <>

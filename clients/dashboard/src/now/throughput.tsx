@@ -29,7 +29,7 @@ const kShown: Shown[] = [
 
 const agoText = (seconds: number) => (seconds === 0 ? "now" : `−${secondsText(-seconds)}`);
 
-function Chart({ name, unit, x, y, write, look, binary = false }: { name: string; unit: string; x: number[]; y: (number | null)[]; write: (value: number | null) => string; look: number; binary?: boolean }) {
+function Chart({ name, unit, x, y, write, look }: { name: string; unit: string; x: number[]; y: (number | null)[]; write: (value: number | null) => string; look: number }) {
   const now = y.at(-1) ?? null;
   const text = `${write(now)} ${unit}`.trim();
   return (
@@ -44,7 +44,6 @@ function Chart({ name, unit, x, y, write, look, binary = false }: { name: string
         height={92}
         range={[Math.max(-kShownSeconds, Math.min(-kLeastSeconds, x[0] ?? 0)), 0]}
         look={look}
-        binary={binary}
         axes={{ x: agoText, y: (value) => (value === 0 ? "0" : write(value)) }}
       />
     </figure>
@@ -75,7 +74,7 @@ export function Throughput() {
           {kShown.map((shown, index) => (
             <RateChart key={shown.quantity} shown={shown} x={x} all={all} look={index} />
           ))}
-          <Chart name="Memory" unit="held by all processes" x={x} y={memory} write={bytesText} look={4} binary />
+          <Chart name="Memory" unit="held by all processes" x={x} y={memory} write={bytesText} look={4} />
         </div>
       )}
     </section>

@@ -14,6 +14,7 @@ import { bytesText, secondsText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
 import { keepDraft, keptDraft, newKey, parseRequest, requestOfJob, requestOfQuery } from "./draft";
+import { DropRequest } from "./drop_request";
 import { useJudgement, type Judgement } from "./estimate";
 import { RequestForm, type Catalogue } from "./form";
 import { useScenes } from "./scenes";
@@ -26,7 +27,7 @@ export function RenderPage() {
   const from = useRemote<Job>(query.from ? `/v1/jobs/${encodeURIComponent(query.from)}` : null);
   const failure = scenes.failure ?? methods.failure ?? devices.failure ?? from.failure;
   const ready = scenes.data && methods.data && devices.data && (!query.from || from.data);
-  const title = query.from ? `Render, from ${query.from}` : "Render";
+  const title = query.from || query.exr ? `Render, from ${query.from || query.exr}` : "Render";
   if (failure && !ready)
     return (
       <>
@@ -199,6 +200,7 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
   const faults = problem?.faults ?? [];
   return (
     <>
+      <DropRequest />
       <Title text={title}>
         {changed && (
           <button type="button" onClick={() => change(start)}>

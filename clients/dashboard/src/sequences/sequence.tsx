@@ -13,6 +13,7 @@ import { useQuery } from "../app/url_state";
 import { ActionButton } from "../ui/action_button";
 import { percentText, secondsText, stopText } from "../ui/format";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
 import { playSeconds, stepped } from "./clock";
@@ -50,7 +51,7 @@ function Beside({ of, chosen, choose }: { of: Sequence; chosen: string; choose: 
           .filter((other) => other.id !== of.id)
           .map((other) => (
             <option key={other.id} value={other.id}>
-              {other.id}: {other.request.scene}, {other.request.method.name}
+              {other.id}: {sceneName(other.request.scene)}, {other.request.method.name}
             </option>
           ))}
       </select>

@@ -9,6 +9,7 @@ import { isOver, type Page, type SequenceSummary } from "../api/types";
 import { Title } from "../app/title";
 import { percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 
 const kMost = 200;
@@ -22,7 +23,7 @@ function Row({ sequence }: { sequence: SequenceSummary }) {
         <a href={`/sequences/${sequence.id}`}>{sequence.id}</a>
       </td>
       <td>
-        {request.scene}
+        {sceneName(request.scene)}
         <small class="muted sequences-more">
           {plainName(request.method.name)} · {sizeText(request.image)}
         </small>

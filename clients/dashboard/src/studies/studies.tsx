@@ -6,15 +6,29 @@ import { useEffect, useState } from "preact/hooks";
 
 import { getJson } from "../api/client";
 import { listen } from "../api/events";
-import { isOver, type ComparisonSummary, type Page } from "../api/types";
+import { isOver, type Comparison, type ComparisonSummary, type Page } from "../api/types";
 import { Title } from "../app/title";
 import { percentText, plainName, sizeText, stopText, timeText } from "../ui/format";
+import { useSeen } from "../ui/picture";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
 
 const kPageSize = 50;
 const kSoonMs = 300;
+
+/** What a study that is over has come to, in a sentence; asked for when its row comes into view. */
+function Finding({ id }: { id: string }) {
+  const [seen, watch] = useSeen<HTMLElement>();
+  const { data } = useRemote<Comparison>(seen ? `/v1/comparisons/${id}` : null, true);
+  const found = data?.headlines.find((headline) => headline.metric === data.request.metrics[0]);
+  return (
+    <small ref={watch} class="studies-finding">
+      {found?.text}
+    </small>
+  );
+}
 
 function Row({ study }: { study: ComparisonSummary }) {
   const { request } = study;
@@ -29,8 +43,9 @@ function Row({ study }: { study: ComparisonSummary }) {
           {request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")}
         </a>
         <small class="muted">
-          {request.scene} · {sizeText(request.image)}
+          {sceneName(request.scene)} · {sizeText(request.image)}
         </small>
+        {study.state === "succeeded" && <Finding id={study.id} />}
       </td>
       <td>
         <StateMark state={study.state} />

@@ -11,6 +11,7 @@ import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
 import { ActionButton } from "../ui/action_button";
 import { percentText, stopText } from "../ui/format";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
 import { floorsOf } from "./bias";
@@ -39,7 +40,7 @@ const bandsOf = (seeds: number, noiseKnown: boolean): Band[] => [...(seeds > 1 ?
 const capitalised = (text: string): string => text[0]!.toUpperCase() + text.slice(1);
 
 export const studyTitle = (request: Comparison["request"]): string =>
-  `${request.scene}: ${request.entries.map((entry) => entry.label ?? entry.method.name).join(", ")}`;
+  `${sceneName(request.scene)}: ${request.entries.map((entry) => entry.label ?? entry.method.name).join(", ")}`;
 
 function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: string }) {
   const found = report.headlines.find((headline) => headline.metric === metric);
@@ -233,7 +234,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
   const leftOut = series.reduce((sum, one) => sum + one.leftOut, 0);
   const kind: PictureKind = query.picture === "error" || query.picture === "flip" ? query.picture : "image";
   const exposure = Number(query.ev) || 0;
-  const name = `${report.id} ${report.request.scene}`;
+  const name = `${report.id} ${sceneName(report.request.scene)}`;
   return (
     <div class="stack study-body">
       <Progress report={report} />

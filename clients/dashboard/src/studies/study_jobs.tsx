@@ -3,6 +3,7 @@
 import { isOver, type ComparisonReport, type CurvePoint } from "../api/types";
 import { errorWithInterval } from "../ui/error_interval";
 import { percentText, secondsText, stopText } from "../ui/format";
+import { sceneName } from "../ui/scene_names";
 import { sayFailure, say } from "../ui/toasts";
 import { StateMark } from "../ui/state";
 import { Swatch } from "./error_figure";
@@ -95,7 +96,7 @@ export function Repetition({ report }: { report: ComparisonReport }) {
       <dl class="facts">
         <dt>Scene</dt>
         <dd>
-          <a href={`/scenes/${encodeURIComponent(report.request.scene)}`}>{report.request.scene}</a>, {report.request.image.width} × {report.request.image.height} pixels
+          <a href={`/scenes/${encodeURIComponent(report.request.scene)}`} title={report.request.scene}>{sceneName(report.request.scene)}</a>, {report.request.image.width} × {report.request.image.height} pixels
         </dd>
         <dt>Each job ends at</dt>
         <dd>{stopText(report.request.stop)}</dd>

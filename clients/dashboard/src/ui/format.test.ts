@@ -15,8 +15,8 @@ describe("numbers as people read them", () => {
       "0 s", "50 µs", "12.3 ms", "3.14 s", "119 s", "10 min", "1 h 7 min", "12 days",
     ]);
   });
-  it("counts bytes in powers of 1024", () => {
-    expect([0, 1023, 1024, 1536, 5 * 2 ** 30].map(bytesText)).toEqual(["0 B", "1023 B", "1 KiB", "1.5 KiB", "5 GiB"]);
+  it("counts bytes in powers of 1000, as all of photond does", () => {
+    expect([0, 999, 1000, 1536, 5e9].map(bytesText)).toEqual(["0 B", "999 B", "1 kB", "1.54 kB", "5 GB"]);
   });
   it("shortens counts only when that loses little", () => {
     expect([999, 9999, 12345, 5.5e7].map(countText)).toEqual(["999", "9999", "12.3 k", "55 M"]);

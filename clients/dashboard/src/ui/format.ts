@@ -17,12 +17,12 @@ export function secondsText(seconds: number | null | undefined): string {
   return `${Math.round(minutes / 60 / 24)} days`;
 }
 
-const kBinary = ["B", "KiB", "MiB", "GiB", "TiB"];
+const kBytes = ["B", "kB", "MB", "GB", "TB"];
 
 export function bytesText(bytes: number | null | undefined): string {
   if (bytes === null || bytes === undefined) return kNone;
-  const power = bytes < 1 ? 0 : Math.min(kBinary.length - 1, Math.floor(Math.log2(bytes) / 10));
-  return `${power === 0 ? bytes : numberText(bytes / 1024 ** power)} ${kBinary[power]}`;
+  const power = bytes < 1 ? 0 : Math.min(kBytes.length - 1, Math.floor(Math.log10(bytes) / 3));
+  return `${power === 0 ? bytes : numberText(bytes / 1000 ** power)} ${kBytes[power]}`;
 }
 
 /** Three digits, without an exponent where a person would write none. */

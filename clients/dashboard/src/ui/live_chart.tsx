@@ -27,11 +27,7 @@ interface Props {
   look?: number;
   /** How the axes' numbers are written; without, there are no axes. */
   axes?: { x: (value: number) => string; y: (value: number) => string };
-  /** The y axis is marked in powers of two, as bytes are counted. */
-  binary?: boolean;
 }
-
-const kPowersOfTwo = Array.from({ length: 50 }, (_, power) => 2 ** power);
 
 /** Upper bounds are data too, so that the axis reaches them. */
 const dataOf = ({ x, y, errors }: Props): uPlot.AlignedData => (errors ? [x, y, errors.map((error) => (error?.isBound ? error.at : null))] : [x, y]);
@@ -68,7 +64,7 @@ function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: numbe
       y: { distr: distribution, ...(props.errors ? {} : { range: (_: uPlot, _low: number, high: number) => [0, high > 0 ? high * 1.15 : 1] }) },
     },
     axes: props.axes
-      ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 58, space: 26, ...(props.binary ? { incrs: kPowersOfTwo } : {}) })]
+      ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 58, space: 26 })]
       : [hidden, hidden],
     series: [{}, series, ...(props.errors ? [{ width: 0, points: { show: false } }] : [])],
     hooks: props.errors ? { drawAxes: [(chart) => drawBands(chart, drawn())], draw: [(chart) => drawBounds(chart, drawn())] } : {},
