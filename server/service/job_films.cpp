@@ -62,7 +62,6 @@ FilmSource JobFilms::film_source(const std::string& id) {
         if (!attempt || attempt->passes_done == 0) return {.pending = true};
         const auto& snapshot = attempt->snapshot;
         const bool is_newest = snapshot && snapshot->passes_done >= attempt->passes_done;
-        if (asked_for.empty() && !is_newest) asked_for = attempts_.ask_for_snapshot(row.seq).string();
         if (snapshot && (is_newest || snapshot->path == asked_for || (late && asks_again) ||
                          SteadyClock::now() - snapshot->saved < kSnapshotAge))
             return {false,
@@ -72,6 +71,7 @@ FilmSource JobFilms::film_source(const std::string& id) {
                     nullptr,
                     parsed_or_null(row.request),
                     snapshot};
+        if (asked_for.empty()) asked_for = attempts_.ask_for_snapshot(row.seq).string();
         if (late && asks_again) throw TryLater("the film so far is being saved", 1, true);
         if (late || core_.stopping) return {.pending = true};
         late = core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout;
