@@ -113,10 +113,16 @@ struct ThumbnailRequest {
     }
 };
 
+struct PreviewSceneReply {
+    double exposure_stops = 0;  // that the picture was given by itself
+
+    void visit(MessageVisitor& visitor) { visitor.member("exposure_stops", exposure_stops); }
+};
+
 /// The scene stays ready for the next picture.
 struct PreviewSceneRequest {
     static constexpr const char* kType = "preview_scene";
-    using Reply = DoneReply;
+    using Reply = PreviewSceneReply;
     SceneSource scene;
     std::string camera;      // of the scene; empty: `look_at`, or else the scene's default view
     nlohmann::json look_at;  // as a job's, whole; or null

@@ -31,6 +31,18 @@ struct Operation {
     std::vector<std::string> required = {};  // of the query
 };
 
+/// What an operation is about: the collection that its path begins with.
+std::string tag_of(const std::string& path) {
+    constexpr std::string_view kVersion = "/v1/";
+    if (!path.starts_with(kVersion)) {
+        const bool is_probe = path == "/healthz" || path == "/readyz" || path == "/metrics";
+        return is_probe ? "daemon" : "dashboard";
+    }
+    const std::string collection = path.substr(kVersion.size(), path.find('/', kVersion.size()) - kVersion.size());
+    const bool is_daemons = collection == "status" || collection == "events" || collection == "openapi.json";
+    return is_daemons ? "daemon" : collection;
+}
+
 json operation_json(const Operation& operation) {
     json parameters = json::array();
     const std::string& path = operation.path;
@@ -57,6 +69,7 @@ json operation_json(const Operation& operation) {
     }
     json result{{"operationId", operation.id},
                 {"summary", operation.summary},
+                {"tags", json::array({tag_of(path)})},
                 {"parameters", parameters},
                 {"responses", responses}};
     if (!operation.body.is_null()) result["requestBody"] = {{"required", true}, {"content", operation.body}};
@@ -130,7 +143,9 @@ std::vector<Operation> scene_operations() {
         {"get",
          "/v1/scenes/{scene}/thumbnail.png",
          "getThumbnail",
-         "A small picture; while a job renders perhaps 503, to be asked for again after Retry-After",
+         "A small picture to recognise it by: few paths, filtered, so no result; while a job renders perhaps 503, to "
+         "be "
+         "asked for again after Retry-After",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
          {},
@@ -138,7 +153,9 @@ std::vector<Operation> scene_operations() {
         {"get",
          "/v1/scenes/{scene}/preview.png",
          "getScenePreview",
-         "A quick picture by one of its cameras, or from eye to target; the scene stays ready for the next one. "
+         "A quick picture by one of its cameras, or from eye to target; the scene stays ready for the next one. Few "
+         "paths of three bounces, filtered within surfaces and auto-exposed (X-Exposure-Stops says by how much, by the "
+         "curve filmic): to choose a view by, and no result. "
          "While a job renders perhaps 503",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,

@@ -74,7 +74,11 @@ json scene_schema() {
              {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", typed("boolean")}}))},
              {"cameras",
               list_of(given(
-                  {{"name", typed("string")}, {"yfov", nullable("number", "radians")}, {"look_at", or_null(view)}}))},
+                  {{"name", typed("string")},
+                   {"yfov", nullable("number", "radians")},
+                   {"aspect",
+                    nullable("number", "width over height of the image that its file asks for; a job says its own")},
+                   {"look_at", or_null(view)}}))},
              {"default_view", with_text(or_null(view),
                                         "of a job that names no camera: the first one's, or one framed on "
                                         "the bounds; null only in lists, for scenes of an earlier version")},

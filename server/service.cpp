@@ -83,7 +83,7 @@ Page Service::list_scenes(const std::string& family, uint32_t limit, const std::
 json Service::get_scene(const std::string& id_or_name) { return impl_->scenes.get_scene(id_or_name); }
 Artefact Service::thumbnail(const std::string& id_or_name) { return impl_->scenes.thumbnail(id_or_name); }
 Artefact Service::baked_scene(const std::string& id_or_name) { return impl_->scenes.baked_scene(id_or_name); }
-std::string Service::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
+DrawnPreview Service::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
     return impl_->scenes.scene_preview(id_or_name, wanted);
 }
 json Service::delete_scene(const std::string& id_or_name) { return impl_->scenes.delete_scene(id_or_name); }

@@ -47,7 +47,7 @@ public:
     Artefact thumbnail(const std::string& id_or_name);
     /// A PNG, made anew each time and kept nowhere but while a job renders; waits for the helper, which keeps the scene
     /// ready for the next one. UnknownName at /camera. TryLater.
-    std::string scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
+    DrawnPreview scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
     /// The scene as a file of renderer/scene/baked_scene.h. Waits for the helper the first time. OutOfMemory, NoSpace
     /// and TimedOut where it is too large to be made.
     Artefact baked_scene(const std::string& id_or_name);

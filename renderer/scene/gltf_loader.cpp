@@ -1,5 +1,6 @@
 #include "renderer/scene/gltf_loader.h"
 
+#include <cmath>
 #include <cstring>
 
 #include "renderer/scene/gltf_accessor.h"
@@ -95,6 +96,25 @@ Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& 
     finish_scene(scene);
     if (scene.triangle_count == 0) scene.warnings.push_back("the scene has no triangles");
     return scene;
+}
+
+std::map<std::string, double> gltf_camera_aspects(const std::filesystem::path& file,
+                                                  const std::filesystem::path& bundle_root, const LoadLimits& limits) {
+    BundleFiles files(bundle_root, limits.max_file_bytes);
+    const std::vector<uint8_t> bytes = files.read(path_in_bundle(file, bundle_root), "");
+    const GltfDocument document =
+        read_gltf_document(split(bytes).json, {limits.max_json_depth, limits.max_json_values});
+    std::map<std::string, double> aspects;
+    for (const tinygltf::Node& node : document.model.nodes) {
+        if (node.camera < 0) continue;
+        const tinygltf::Camera& camera = document.model.cameras[static_cast<size_t>(node.camera)];
+        const std::string& name = node.name.empty() ? camera.name : node.name;
+        const bool orthographic = camera.type == "orthographic";
+        const double aspect = orthographic ? std::fabs(camera.orthographic.xmag / camera.orthographic.ymag)
+                                           : camera.perspective.aspectRatio;
+        if (!name.empty() && std::isfinite(aspect) && aspect > 0) aspects.emplace(name, aspect);
+    }
+    return aspects;
 }
 
 }  // namespace photond

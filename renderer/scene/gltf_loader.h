@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "renderer/scene/texture.h"
@@ -33,5 +35,11 @@ using ImageDecoder = std::function<Texture(std::span<const uint8_t> encoded, con
 /// links). What is animated is posed at rest (pose.h). Throws photond::Error with JSON pointers into the glTF.
 Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& bundle_root, const ImageDecoder& decode,
                 const LoadLimits& limits = {});
+
+/// Width over height of the image that each camera of such a file asks for, by the name that load_gltf() gives it, of
+/// cameras that have one and ask for something. No image depends on it: a job says its own width and height.
+std::map<std::string, double> gltf_camera_aspects(const std::filesystem::path& file,
+                                                  const std::filesystem::path& bundle_root,
+                                                  const LoadLimits& limits = {});
 
 }  // namespace photond

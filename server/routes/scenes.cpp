@@ -71,9 +71,11 @@ Reply scene_preview(Service& service, Call& call) {
     Query query(call.query);
     const ScenePreview wanted = read_scene_preview(query);
     Reply reply;
-    reply.body = service.scene_preview(call.path_parameters[0], wanted);
+    DrawnPreview drawn = service.scene_preview(call.path_parameters[0], wanted);
+    reply.body = std::move(drawn.png);
     reply.media_type = "image/png";
     reply.headers["Cache-Control"] = "no-store";
+    reply.headers["X-Exposure-Stops"] = drawn.exposure_stops;
     return reply;
 }
 

@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "protocol/helper_messages.h"
 #include "protocol/nearest_name.h"
@@ -50,6 +52,15 @@ fs::path main_file(const std::vector<fs::path>& files) {
     return found.front();
 }
 
+constexpr const char* kExposure = "X-Exposure-Stops";
+
+/// To a hundredth, which nobody sees.
+std::string exposure_text(const PreviewSceneReply& drawn) {
+    std::ostringstream text;
+    text << std::round(100 * drawn.exposure_stops) / 100;
+    return text.str();
+}
+
 std::string bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -61,7 +72,10 @@ json scene_object(const SceneRow& row) {
     object.emplace("photon_yield", nullptr);  // scenes uploaded before it was measured
     object.emplace("default_view", nullptr);  // likewise; get_scene() has it noted
     object.emplace("motion", nullptr);        // likewise
-    for (json& camera : object["cameras"]) camera.emplace("look_at", nullptr);
+    for (json& camera : object["cameras"]) {
+        camera.emplace("look_at", nullptr);
+        camera.emplace("aspect", nullptr);
+    }
     object["id"] = row.id;
     object["name"] = row.name;
     object["builtin"] = false;
@@ -251,7 +265,7 @@ json Scenes::get_scene(const std::string& id_or_name) {
 
 Artefact Scenes::thumbnail(const std::string& id_or_name) {
     const SceneRef scene = require_scene(id_or_name);
-    const std::string key = "scene/" + scene.id + "/thumbnail";
+    const std::string key = "scene/" + scene.id + "/filtered_thumbnail";  // older daemons kept noisy ones
     return pictures_.picture(key, key, "image/png",
                              [source = scene_source(scene)](const Draughtsman& by, const fs::path& path) {
                                  by.helper.ask(ThumbnailRequest{source, by.most_seconds, path});
@@ -259,7 +273,7 @@ Artefact Scenes::thumbnail(const std::string& id_or_name) {
                              });
 }
 
-std::string Scenes::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
+DrawnPreview Scenes::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
     const SceneRef scene = require_scene(id_or_name);
     if (!wanted.camera.empty()) {
         const json object = get_scene(id_or_name);
@@ -279,15 +293,16 @@ std::string Scenes::scene_preview(const std::string& id_or_name, const ScenePrev
         PreviewSceneRequest request = view;
         request.most_seconds = by.most_seconds;
         request.out = path;
-        by.helper.ask(std::move(request));
-        return std::map<std::string, std::string>();
+        return std::map<std::string, std::string>{{kExposure, exposure_text(by.helper.ask(std::move(request)))}};
     };
     const Spooled out{core_.files.fresh_spool_path()};
-    if (pictures_.drawn_at_once([&](const Draughtsman& by) { draw(by, out.path); })) return bytes_of(out.path);
+    std::map<std::string, std::string> headers;
+    if (pictures_.drawn_at_once([&](const Draughtsman& by) { headers = draw(by, out.path); }))
+        return {bytes_of(out.path), headers[kExposure]};
     const std::string name = message_json(view).dump();
     const std::string key = "scene/" + scene.id + "/preview/" + sha256_hex(name.data(), name.size());
-    const Artefact kept = pictures_.picture(key, key, "image/png", draw);
-    return bytes_of(kept.path);
+    Artefact kept = pictures_.picture(key, key, "image/png", draw);
+    return {bytes_of(kept.path), kept.headers[kExposure]};
 }
 
 Artefact Scenes::baked_scene(const std::string& id_or_name) {

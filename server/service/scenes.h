@@ -43,7 +43,7 @@ public:
     Artefact thumbnail(const std::string& id_or_name);
     /// A PNG; kept only where it is drawn while a job renders. Waits for the helper. Throws UnknownName at /camera, and
     /// TryLater.
-    std::string scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
+    DrawnPreview scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
     /// Waits for the helper the first time. Throws OutOfMemory, NoSpace and TimedOut where it is too large to be made.
     Artefact baked_scene(const std::string& id_or_name);
 

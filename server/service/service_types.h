@@ -38,6 +38,12 @@ struct ScenePreview {
     uint32_t passes = 4;
 };
 
+/// It, and by how many stops it was exposed.
+struct DrawnPreview {
+    std::string png;
+    std::string exposure_stops;
+};
+
 /// The whole object, and whether it is new (201) or was there already (200).
 struct Added {
     nlohmann::json object;

@@ -1,12 +1,15 @@
 #include "server/worker/helper_pictures.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cstring>
 #include <fstream>
 
 #include "protocol/job.h"
 #include "renderer/film/box_downscale.h"
 #include "renderer/film/png_file.h"
 #include "renderer/film/tone_curve.h"
+#include "renderer/gbuffer/edge_avoiding_filter.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/preview_image.h"
 
@@ -17,7 +20,7 @@ namespace {
 constexpr uint32_t kThumbnailWidth = 256, kThumbnailHeight = 192, kThumbnailPasses = 32;
 constexpr uint32_t kBounces = 3;
 constexpr int kQuickCompression = 1;
-constexpr uint32_t kExposureTile = 8;  // pixels: over as many the eye averages a noisy image, to judge its exposure
+constexpr uint32_t kExposureTile = 8;  // pixels: over as many the eye averages an image, to judge its exposure
 
 JobRequest picture_request(Size2 size, uint32_t passes, std::optional<double> most_seconds) {
     JobRequest request;
@@ -25,11 +28,42 @@ JobRequest picture_request(Size2 size, uint32_t passes, std::optional<double> mo
     request.width = size.width, request.height = size.height;
     request.method.name = "path_tracing";
     request.method.parameters = {{"indirect_bounces", kBounces}};
+    request.layers = {"albedo", "normal", "position", "depth"};  // that the filter goes by
     request.stop.passes = passes, request.stop.seconds = most_seconds;
     return request;
 }
 
-PreviewImage draw(const SceneSource& source, const JobRequest& request, uint64_t memory_bytes, SceneCache& scenes) {
+template <class Value>
+std::vector<Value> pixels_of(const Film& film, Layer layer) {
+    const std::vector<float> numbers = film.resolve(layer);
+    std::vector<Value> pixels(film.size().pixels());
+    static_assert(sizeof(Value) % sizeof(float) == 0);
+    assert(numbers.size() * sizeof(float) == pixels.size() * sizeof(Value));
+    std::memcpy(pixels.data(), numbers.data(), numbers.size() * sizeof(float));
+    return pixels;
+}
+
+/// The beauty without the noise of so few passes: what surfaces scatter is filtered, what lights send is not.
+std::vector<float> filtered_beauty(const Film& film) {
+    std::vector<Rgb> light = pixels_of<Rgb>(film, Layer::Direct);
+    const std::vector<Rgb> indirect = pixels_of<Rgb>(film, Layer::Indirect);
+    for (size_t i = 0; i < light.size(); ++i) light[i] += indirect[i];
+    const std::vector<Rgb> albedo = pixels_of<Rgb>(film, Layer::Albedo);
+    const std::vector<vec3> normal = pixels_of<vec3>(film, Layer::Normal),
+                            position = pixels_of<vec3>(film, Layer::Position);
+    const std::vector<float> depth = film.resolve(Layer::Depth);
+    filter_avoiding_edges(light, film.size(), {albedo, normal, position, depth});
+    std::vector<float> beauty = film.resolve(Layer::Emitted);
+    for (size_t i = 0; i < beauty.size(); ++i) beauty[i] += light[i / 3][int(i % 3)];
+    return beauty;
+}
+
+struct Drawn {
+    PreviewImage picture;
+    float exposure_stops = 0;
+};
+
+Drawn draw(const SceneSource& source, const JobRequest& request, uint64_t memory_bytes, SceneCache& scenes) {
     Stats stats;
     MemoryBudget budget(memory_bytes);
     SceneVariant variant;
@@ -42,10 +76,10 @@ PreviewImage draw(const SceneSource& source, const JobRequest& request, uint64_t
     PassLoop loop{*method, context, request.stop, never, nullptr};
     const Film film = loop.run(stats).film;
     const Size2 size = film.size();
-    const std::vector<float> beauty = film.resolve_beauty();
+    const std::vector<float> beauty = filtered_beauty(film);
     const Size2 tiles{std::max(1u, size.width / kExposureTile), std::max(1u, size.height / kExposureTile)};
     const float exposure_stops = auto_exposure_stops(box_downscaled(beauty, 3, size, tiles));
-    return {size, tone_mapped(beauty, exposure_stops, ToneCurve::Filmic)};
+    return {{size, tone_mapped(beauty, exposure_stops, ToneCurve::Filmic)}, exposure_stops};
 }
 
 JobCamera camera_of(const PreviewSceneRequest& asked) {
@@ -64,20 +98,21 @@ JobCamera camera_of(const PreviewSceneRequest& asked) {
 void thumbnail(const ThumbnailRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
     const JobRequest request =
         picture_request({kThumbnailWidth, kThumbnailHeight}, kThumbnailPasses, asked.most_seconds);
-    const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
+    const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes).picture;
     write_png(picture.size, picture.rgb, asked.out);
 }
 
-void preview_scene(const PreviewSceneRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
+PreviewSceneReply preview_scene(const PreviewSceneRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
     JobRequest request = picture_request({asked.width, asked.height}, asked.passes, asked.most_seconds);
     request.camera = camera_of(asked);
-    const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
+    const auto [picture, exposure_stops] = draw(asked.scene, request, memory_bytes, scenes);
     const std::vector<uint8_t> png = encode_png(picture.size, picture.rgb, kQuickCompression);
     // Nobody keeps it: what a power cut leaves of it does not matter, and waiting for the disk would be felt.
     std::ofstream out(asked.out, std::ios::binary);
     out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
     out.close();
     if (!out) throw Error(ErrorCode::NoSpace, "the picture cannot be written");
+    return {double{exposure_stops}};
 }
 
 }  // namespace photond

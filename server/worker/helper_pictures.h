@@ -1,5 +1,6 @@
 #pragma once
-// Quick pictures of a scene, to recognise it by and to choose a view of it.
+// Quick pictures of a scene, to recognise it by and to choose a view of it: few paths a pixel, and a filter over the
+// light that surfaces scatter (renderer/gbuffer/edge_avoiding_filter.h). No result of a job is filtered.
 
 #include <cstdint>
 
@@ -14,6 +15,6 @@ void thumbnail(const ThumbnailRequest& request, uint64_t memory_bytes, SceneCach
 
 /// The same by whatever camera, in the size and with the passes asked for. Throws ErrorCode::UnknownName for a camera
 /// that the scene has not.
-void preview_scene(const PreviewSceneRequest& request, uint64_t memory_bytes, SceneCache& scenes);
+PreviewSceneReply preview_scene(const PreviewSceneRequest& request, uint64_t memory_bytes, SceneCache& scenes);
 
 }  // namespace photond

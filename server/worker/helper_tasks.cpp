@@ -5,12 +5,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <map>
 #include <variant>
 
 #include "protocol/helper_messages.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/film/film_file.h"
 #include "renderer/scene/baked_scene.h"
+#include "renderer/scene/gltf_loader.h"
 #include "server/worker/helper_errors.h"
 #include "server/worker/helper_frames.h"
 #include "server/worker/helper_merge.h"
@@ -36,7 +38,14 @@ constexpr uint64_t kWarmSceneDivisor = 4;  // share of the memory limit that a s
 json judge_scene(const JudgeSceneRequest& asked) {
     Stats stats;
     const Scene scene = load_scene({"", asked.builtin, asked.root, asked.file}, {}, stats);
-    return scene_summary(scene, asked.name.empty() ? asked.builtin : asked.name, !asked.builtin.empty());
+    json summary = scene_summary(scene, asked.name.empty() ? asked.builtin : asked.name, !asked.builtin.empty());
+    std::map<std::string, double> aspects;
+    if (asked.builtin.empty()) aspects = gltf_camera_aspects(asked.file, asked.root);
+    for (json& camera : summary["cameras"]) {
+        const auto found = aspects.find(camera["name"].get<std::string>());
+        camera["aspect"] = found == aspects.end() ? json() : json(found->second);
+    }
+    return summary;
 }
 
 BakeReply bake(const BakeRequest& asked, uint64_t memory_bytes) {
@@ -80,9 +89,7 @@ struct Tasks {
     UnpackReply run(const UnpackRequest& asked) const { return {unpack_scene(asked.zip, asked.root)}; }
     DoneReply run(const PackRequest& asked) const { return pack_files(asked), DoneReply(); }
     DoneReply run(const ThumbnailRequest& asked) const { return thumbnail(asked, memory_bytes, scenes), DoneReply(); }
-    DoneReply run(const PreviewSceneRequest& asked) const {
-        return preview_scene(asked, memory_bytes, scenes), DoneReply();
-    }
+    PreviewSceneReply run(const PreviewSceneRequest& asked) const { return preview_scene(asked, memory_bytes, scenes); }
     BakeReply run(const BakeRequest& asked) const { return bake(asked, memory_bytes); }
     JudgeImageReply run(const JudgeImageRequest& asked) const { return judge_image_file(asked); }
     MeasureReply run(const MeasureRequest& asked) const { return measure_images(asked, memory_bytes); }

@@ -18,6 +18,20 @@ def view_query(view):
     return f"?{points}&yfov={view['yfov']!r}"
 
 
+def filmic_exposure(beauty):
+    """Stops that bring the log-average luminance of blocks of 8 pixels to middle grey."""
+    height, width, _ = beauty.shape
+    blocks = beauty.reshape(height // 8, 8, width // 8, 8, 3).mean((1, 3)) @ [0.2126, 0.7152, 0.0722]
+    return float(numpy.log2(0.18 / numpy.exp(numpy.log(blocks[blocks > 1e-6]).mean())))
+
+
+def roughness(picture):
+    """How much a pixel differs from the mean of its four neighbours, root mean square, of 255."""
+    grey = picture @ [0.2126, 0.7152, 0.0722]
+    about = (grey[:-2, 1:-1] + grey[2:, 1:-1] + grey[1:-1, :-2] + grey[1:-1, 2:]) / 4
+    return float(numpy.sqrt(((grey[1:-1, 1:-1] - about) ** 2).mean()))
+
+
 class ScenePreviewTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -62,6 +76,21 @@ class ScenePreviewTest(unittest.TestCase):
                     job = small_job(name, camera={"look_at": one})
                     self.assertEqual(self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).status, 200)
 
+    def test_a_camera_says_the_shape_of_the_image_that_its_file_asks_for(self):
+        document, binary = tiny_scene.triangle(seed=3)
+        document["cameras"] = [
+            {"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.01, "aspectRatio": 2.35}},
+            {"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 2, "znear": 0.01, "zfar": 10}},
+            {"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.01}}]
+        document["nodes"] += [{"camera": 1, "name": "plan", "translation": [0.3, 0.3, 2]},
+                              {"camera": 2, "name": "any", "translation": [0.3, 0.3, 2]}]
+        document["scenes"] = [{"nodes": [0, 1, 2, 3]}]
+        scene = self.daemon.request("POST", "/v1/scenes?name=shapes", tiny_scene.packed(document, binary),
+                                    {"Content-Type": "model/gltf-binary"}).json
+        self.assertEqual({camera["name"]: camera["aspect"] for camera in scene["cameras"]},
+                         {"front": 2.35, "plan": 1.5, "any": None})
+        self.assertEqual([camera["aspect"] for camera in self.scene("cornell-box")["cameras"]], [None])
+
     def test_the_target_is_as_deep_as_the_middle_of_the_bounds(self):
         scene = self.scene("cornell-box")
         view, bounds = scene["cameras"][0]["look_at"], scene["bounds"]
@@ -90,6 +119,51 @@ class ScenePreviewTest(unittest.TestCase):
         turned = {**view, "up": [-x for x in view["up"]]}
         upside_down = self.picture("cornell-box", view_query(turned) + small)
         self.assertLess(numpy.abs(camera[::-1, ::-1] - upside_down).mean(), 0.5 * numpy.abs(camera - upside_down).mean())
+
+    def traced(self, scene, passes, size, exposure=None):
+        """A job's picture by as many paths as a preview of those passes has, unfiltered, and the exposure of its film."""
+        request = small_job(scene, passes=passes, image={"width": size[0], "height": size[1]})
+        request["method"]["parameters"] = {"indirect_bounces": 3}
+        job = self.daemon.request("POST", "/v1/jobs", json_body=request).json
+        self.daemon.wait_for_job(job["id"])
+        pixels = self.daemon.request("GET", f"/v1/jobs/{job['id']}/pixels?precision=float").body
+        if exposure is None:
+            exposure = filmic_exposure(numpy.frombuffer(pixels, numpy.float32).reshape(size[1], size[0], 3))
+        reply = self.daemon.request("GET", f"/v1/jobs/{job['id']}/preview.png?curve=filmic&exposure={exposure}")
+        return decoded_png(reply.body), exposure
+
+    def test_a_preview_is_nearer_to_the_truth_than_its_few_paths(self):
+        width, height, passes = 160, 120, 2
+        for scene in ("cornell-box", "cornell-box-glass", "keyhole"):
+            with self.subTest(scene):
+                truth, exposure = self.traced(scene, 400, (width, height))
+                few, _ = self.traced(scene, passes, (width, height), exposure)
+                preview = self.picture(scene, f"?width={width}&height={height}&passes={passes}")
+                wrong = [float(numpy.sqrt(((picture - truth) ** 2).mean())) for picture in (few, preview)]
+                rough = [roughness(picture) for picture in (few, preview, truth)]
+                print(f"{scene}: error {wrong[0]:.1f} before the filter, {wrong[1]:.1f} after; "
+                      f"roughness {rough[0]:.1f}, {rough[1]:.1f}, of the truth {rough[2]:.1f}")
+                self.assertLess(wrong[1], 0.6 * wrong[0])
+                self.assertLess(rough[1], 0.5 * rough[0])
+
+    def test_previews_and_thumbnails_of_a_dim_room_are_without_noise(self):
+        few, _ = self.traced("interior", 2, (96, 72))
+        for picture in (self.picture("interior", "?width=96&height=72&passes=2"),
+                        decoded_png(self.daemon.request("GET", "/v1/scenes/interior/thumbnail.png").body)):
+            print(f"interior: roughness {roughness(few):.1f} before the filter, {roughness(picture):.1f} after")
+            self.assertLess(roughness(picture), 0.35 * roughness(few))
+
+    def test_a_job_shown_by_a_previews_exposure_is_as_bright(self):
+        reply = self.get("cornell-box", "?width=64&height=48&passes=4")
+        exposure = float(reply.headers["x-exposure-stops"])
+        shown, _ = self.traced("cornell-box", 64, (64, 48), exposure)
+        self.assertNotEqual(exposure, 0)
+        self.assertLess(abs(shown.mean() - decoded_png(reply.body).mean()), 6)
+
+    def test_a_job_is_not_filtered(self):
+        few, exposure = self.traced("cornell-box", 1, (64, 48))
+        many, _ = self.traced("cornell-box", 64, (64, 48), exposure)
+        self.assertGreater(roughness(few), 2 * roughness(many))
 
     def test_a_scene_without_light_has_a_white_sky(self):
         dark = self.scene("dark")

@@ -129,7 +129,7 @@ TEST(HelperMessages, OfScenes) {
             "out": "/d/o"})");
     EXPECT_EQ(preview.camera, "");
     EXPECT_EQ(preview.most_seconds, 1.5);
-    exact_reply<PreviewSceneRequest>("{}");
+    EXPECT_EQ(exact_reply<PreviewSceneRequest>(R"({"exposure_stops": -1.5})").exposure_stops, -1.5);
     exact<BakeRequest>(
         R"({"type": "bake", "scene": {"id": "box", "builtin": "box", "root": null, "file": null}, "max_bytes": 9,
             "out": "/d/o"})");

@@ -378,6 +378,8 @@ export interface SceneCamera {
   name: string;
   /** Radians; null for an orthographic one. */
   yfov: number | null;
+  /** Width over height of the image that its file asks for. */
+  aspect: number | null;
   look_at: Required<LookAt> | null;
 }
 
