@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "renderer/scene/pose.h"
+#include "renderer/scene/scene.h"
+#include "renderer/voxels/kept_voxels_gpu.h"
 
 namespace photond {
 
@@ -11,61 +12,47 @@ namespace {
 
 constexpr uint64_t kKeptDivisor = 8;  // of the budget's rest: what is kept at most
 
-std::vector<bool> find_voxelised(const Scene& scene) {
-    std::vector<bool> voxelised;
-    voxelised.reserve(scene.instances.size());
-    for (const Instance& instance : scene.instances)
-        voxelised.push_back(is_voxelised(scene.materials[scene.meshes[instance.mesh].material]));
-    return voxelised;
-}
-
 }  // namespace
 
+KeptVoxels::KeptVoxels() = default;
+KeptVoxels::~KeptVoxels() = default;
+
 void KeptVoxels::note(const SceneChange& change) {
-    if (!parts_) return;
-    moved_meshes_.insert(moved_meshes_.end(), change.moved.begin(), change.moved.end());
-    moved_meshes_.insert(moved_meshes_.end(), change.reshaped.begin(), change.reshaped.end());
-    // Each once: many frames may go by before the next octree.
-    std::sort(moved_meshes_.begin(), moved_meshes_.end());
-    moved_meshes_.erase(std::unique(moved_meshes_.begin(), moved_meshes_.end()), moved_meshes_.end());
+    if (parts_) moved_.note(change);
+    if (on_device_) on_device_->note(change);
 }
 
 bool KeptVoxels::holds(const VoxelGrid& grid, bool surfaces) const {
-    if (!parts_) return false;
-    const VoxelGrid& kept = parts_->grid();
-    return kept.low == grid.low && kept.cell_m == grid.cell_m && kept.resolution == grid.resolution &&
-           parts_->has_surfaces() == surfaces;
+    return parts_ && same_grid(parts_->grid(), grid) && parts_->has_surfaces() == surfaces;
 }
 
-std::vector<uint32_t> KeptVoxels::changed_instances(const Scene& scene) const {
-    const std::vector<bool> voxelised = find_voxelised(scene);
-    std::vector<bool> moved(scene.meshes.size());
-    for (const uint32_t mesh : moved_meshes_) moved[mesh] = true;
-    std::vector<uint32_t> changed;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i)
-        if (voxelised[i] != voxelised_[i] || (voxelised[i] && moved[scene.instances[i].mesh])) changed.push_back(i);
-    return changed;
+bool KeptVoxels::may_keep(uint64_t bytes, uint64_t rest_bytes) { return bytes <= rest_bytes / kKeptDivisor; }
+
+KeptVoxelsGpu& KeptVoxels::on_device() {
+    if (!on_device_) on_device_ = std::make_unique<KeptVoxelsGpu>();
+    return *on_device_;
+}
+
+std::map<std::string, uint64_t> KeptVoxels::device_structures() const {
+    return on_device_ ? on_device_->structures() : std::map<std::string, uint64_t>{};
 }
 
 SparseVoxelOctree KeptVoxels::octree(const Scene& scene, const VoxelGrid& grid, bool surfaces, MemoryBudget& budget,
                                      Stats& stats) {
     const bool follows = holds(grid, surfaces);
     const StageTimer timer(stats, follows ? "svo_update" : "svo_build");
-    if (!follows) clear();
+    if (!follows) parts_.reset();
     // Where memory runs out halfway, nothing is kept.
     std::optional<InstanceBricks> parts = std::exchange(parts_, std::nullopt);
     if (follows)
-        parts->update(scene, changed_instances(scene));
+        parts->update(scene, moved_.list(scene));
     else
         parts.emplace(scene, grid, surfaces);
     SparseVoxelOctree tree(scene, *parts);
-    moved_meshes_.clear();
+    moved_.settle(scene);
     const uint64_t accounted = budget.accounted_bytes() + tree.bytes();
     const uint64_t rest = budget.limit_bytes() - std::min(budget.limit_bytes(), accounted);
-    if (scene.rig && parts->bytes() <= rest / kKeptDivisor) {
-        voxelised_ = find_voxelised(scene);
-        parts_ = std::move(parts);
-    }
+    if (scene.rig && may_keep(parts->bytes(), rest)) parts_ = std::move(parts);
     return tree;
 }
 
@@ -73,7 +60,7 @@ uint64_t KeptVoxels::bytes() const { return parts_ ? parts_->bytes() : 0; }
 
 void KeptVoxels::clear() {
     parts_.reset();
-    moved_meshes_ = {};
+    on_device_.reset();
 }
 
 SparseVoxelOctree make_octree(KeptVoxels* kept, const Scene& scene, const VoxelGrid& grid, bool surfaces,

@@ -5,8 +5,16 @@
 // all levels fragments lie in; tiles are allocated by prefix sums over these instead of an atomic counter, so that the
 // arrays are the CPU's bit for bit; triangles are cut into columns of bricks instead of rasterised, so that a wall and
 // a crumb load the device evenly and no voxel is missed.
+//
+// Where little moves, the bricks of what does not can be kept, and a tree follows from them: its nodes are those of the
+// kept bricks and of the fragments of what moves, and each brick begins as the kept one. A voxel's triangle is the
+// least of leasts, so that the tree has the bits of one that is built anew.
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/backends/gpu/device_scene.h"
@@ -38,7 +46,24 @@ public:
     /// be built again, and asked again. Throws ErrorCode::OutOfMemory where the device cannot hold it.
     bool grow_if_short();
 
-    // For shaders that include svo_march.glsl. They stay the same until grow_if_short() says true or build_now() comes.
+    /// Builds anew in the room that there is, or more; nothing is given back. Else as build_now().
+    void rebuild_now(Stats& stats);
+    /// Keeps the bricks of these instances, rising numbers, as they are now, which leaves no tree: update_now() must
+    /// come. Of a tree like the last one it takes most_kept_bytes().
+    void keep(std::span<const uint32_t> instances, Stats& stats);
+    uint64_t most_kept_bytes() const;
+    bool keeps() const { return kept_.has_value(); }
+    void keep_nothing();
+    /// The tree of what is kept and of these instances, rising numbers, as they are now. Stages `voxelise` and
+    /// `svo_update`.
+    void update_now(std::span<const uint32_t> instances, Stats& stats);
+
+    /// Whether it may be built again for this, as the scene is now.
+    bool is_of(const gpu::DeviceScene& scene, const VoxelGrid& grid, bool surfaces) const;
+    gpu::Device& device() const { return device_; }
+
+    // For shaders that include svo_march.glsl. They stay the same until grow_if_short() says true or it is built or
+    // updated now.
     gpu::Buffer& constants() { return constants_buffer_; }
     gpu::Buffer& nodes() { return nodes_; }
     gpu::Buffer& bricks() { return bricks_; }
@@ -52,9 +77,10 @@ public:
     uint64_t brick_count() const { return counted().bricks; }
     uint64_t voxel_count() const { return counted().voxels; }
 
-    /// Of the tree itself, and with what building it takes.
+    /// Of the tree itself, and with what building it takes and what is kept.
     uint64_t device_bytes() const;
     uint64_t device_bytes_with_scratch() const;
+    std::map<std::string, uint64_t> structures() const;  // with what building takes and what is kept
     /// device_bytes() over set voxels.
     double bytes_a_voxel() const { return double(device_bytes()) / double(std::max<uint64_t>(voxel_count(), 1)); }
 
@@ -63,28 +89,48 @@ private:
     struct Room {
         uint64_t fragments, nodes, bricks, voxels;
     };
+    /// Of a tree of what does not move, all but its nodes.
+    struct Kept {
+        gpu::Buffer flags, ranks, rank_starts, bricks, surfaces;
+        uint32_t brick_count, voxel_count;
+    };
+    struct KeptPasses {
+        explicit KeptPasses(gpu::Device& device);
+        gpu::ComputePipeline tiles, surfaces;
+    };
     static Room expected_room(const Scene& scene, const VoxelGrid& grid);
     static uint64_t tree_bytes(const Room& room, bool surfaces);
     static uint64_t scratch_bytes(const Room& room, uint32_t resolution, bool surfaces);
     const gpu::SvoBuildState& counted() const { return host_state_.as<gpu::SvoBuildState>()[0]; }
-    gpu::SvoBuildPush push() const;
+    gpu::SvoBuildPush push(bool follows) const;
+    void ask(std::span<const uint32_t> instances);
+    void ask_all();
+    void build_asked(bool follows, Stats& stats);
     void make_tree(const Room& room);
     void make_fragment_room(uint64_t fragments);
-    void write_constants();
     void trim();
-    void record_voxelise(gpu::CommandList& commands);
-    void record_surfaces(gpu::CommandList& commands);
+    std::vector<const gpu::Buffer*> buffers() const;
+    void record(gpu::CommandList& commands, bool follows);
+    void record_voxelise(gpu::CommandList& commands, bool follows);
+    void record_kept_tiles(gpu::CommandList& commands);
+    void record_surfaces(gpu::CommandList& commands, bool follows);
 
     gpu::Device& device_;
     const gpu::DeviceScene& scene_;
     const bool with_surfaces_;
     const gpu::GroupShape shape_;
     gpu::SvoConstants host_constants_;
+    const std::vector<gpu::Specialization> scene_constants_;
+    const std::vector<uint32_t> host_first_triangles_;
+    std::vector<uint32_t> asked_instances_;
+    uint32_t asked_triangles_ = 0;
     Room room_{};
+    std::optional<Kept> kept_;
     gpu::Buffer constants_buffer_, nodes_, bricks_, surfaces_, first_triangles_;
     gpu::Buffer state_, host_state_, columns_, column_starts_, fragments_, flags_, ranks_, rank_starts_, first_voxels_,
-        voxel_starts_;
+        voxel_starts_, asked_, kept_places_;
     gpu::ComputePipeline count_columns_, make_fragments_, rank_, fill_, count_voxels_, fill_surfaces_;
+    std::optional<KeptPasses> kept_passes_;  // once something is kept
 };
 
 }  // namespace photond

@@ -16,7 +16,7 @@ namespace photond::gpu {
 
 /// All zero before the first build; each build leaves it ready for the next.
 struct SvoBuildState {
-    uint columns;    // of bricks, of all triangles; 2^32 - 1: more than 32 bits hold
+    uint columns;    // of bricks, of all triangles asked; 2^32 - 1: more than 32 bits hold
     uint fragments;  // that there would be, whatever there is room for; so the nodes and bricks
     uint nodes;
     uint bricks;
@@ -27,6 +27,14 @@ struct SvoBuildState {
     uint fill_groups[3];
     uint brick_groups[3];
     uint surface_groups[3];
+    uint kept_groups[3];
+};
+
+/// What is voxelised: instances, in rising order.
+struct SvoAskedInstance {
+    uint first;           // of its triangles, among those of the list
+    uint instance;        // in the scene
+    uint first_triangle;  // among all instances'
 };
 
 /// A triangle's voxels in one brick.
@@ -43,11 +51,17 @@ struct SvoBuildPush {
     uint fragment_capacity;
     uint node_capacity;
     uint brick_capacity;
-    uint surface_base;
+    uint surfaces;  // whether there are any
+    uint asked;     // instances in the list
+    uint asked_triangles;
+    uint follows;  // whether the fragments add to a kept tree, whose bricks are in place
+    uint kept_voxels;
+    uint kept_bricks;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(SvoBuildState) == 72 && sizeof(SvoFragment) == 16 && sizeof(SvoBuildPush) == 28);
+static_assert(sizeof(SvoBuildState) == 84 && sizeof(SvoAskedInstance) == 12 && sizeof(SvoFragment) == 16 &&
+              sizeof(SvoBuildPush) == 48);
 }  // namespace photond::gpu
 #endif
 

@@ -10,6 +10,7 @@
 layout(push_constant, scalar) uniform Push { SvoBuildPush push; };
 layout(set = 0, binding = 1, scalar) readonly buffer Flags { uint flags[]; };
 layout(set = 0, binding = 2, scalar) coherent buffer Ranks { uint ranks[]; };  // before each word, in its group
+layout(set = 0, binding = 4, scalar) writeonly buffer Constants { SvoConstants constants; };
 
 void main() {
     const uint groups = sum_groups(push.words), group = group_number(), word = group * GROUP + group_thread();
@@ -24,7 +25,10 @@ void main() {
     state.bricks = all_flagged - tiles;
     const uint fragments = min(state.fragments, push.fragment_capacity);
     const uint bricks = min(state.bricks, push.brick_capacity);
-    state.fill_groups = rows_of_groups(groups_of(32u * brick_word + fragments, SVO_GROUP));
+    const bool follows = push.follows != 0u;
+    state.fill_groups = rows_of_groups(groups_of((follows ? 0u : 32u * brick_word) + fragments, SVO_GROUP));
     state.brick_groups = rows_of_groups(sum_groups(bricks));
-    state.surface_groups = rows_of_groups(groups_of(bricks + fragments, SVO_GROUP));
+    state.surface_groups = rows_of_groups(groups_of((follows ? 0u : bricks) + fragments, SVO_GROUP));
+    state.kept_groups = rows_of_groups(groups_of(bricks, SVO_GROUP));
+    constants.surface_base = push.surfaces != 0u ? bricks : 0u;
 }

@@ -1,22 +1,16 @@
 #version 460
 // Where each brick's triangles begin, by one thread a brick; then the least number of the triangles in each voxel, by one
-// thread a fragment.
+// thread a fragment. Where the tree follows from a kept one, svo_kept_surfaces.comp was there before the first threads.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/voxels/svo_fragments.glsl"
-
-layout(set = 0, binding = 5, scalar) readonly buffer Bricks { SvoBrick bricks[]; };
-layout(set = 0, binding = 6, scalar) readonly buffer FirstVoxels { uint first_voxels[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer VoxelStarts { uint voxel_starts[]; };
-layout(set = 0, binding = 8, scalar) buffer Surfaces { uint surfaces[]; };
-
-uint first_voxel(uint brick) { return first_voxels[brick] + voxel_starts[brick / push.sum_group]; }
+#include "renderer/voxels/svo_first_voxels.glsl"
 
 void add_triangle(SvoFragment fragment) {
     const uint brick = brick_of(fragment.brick);
     if (brick >= push.brick_capacity) return;
-    uint first = push.surface_base + first_voxel(brick);
+    uint first = first_surface(brick);
     for (int word = 0; word < 2; ++word) {
         const uint mask = bricks[brick].mask[word];
         for (uint left = fragment.mask[word]; left != 0u; left &= left - 1u) {
@@ -28,9 +22,9 @@ void add_triangle(SvoFragment fragment) {
 }
 
 void main() {
-    const uint i = flat_index(), brick_count = min(state.bricks, push.brick_capacity);
-    if (i < brick_count)
+    const uint i = flat_index(), bricks_here = push.follows != 0u ? 0u : brick_count();
+    if (i < bricks_here)
         surfaces[i] = first_voxel(i);
-    else if (i - brick_count < fragment_count())
-        add_triangle(fragments[i - brick_count]);
+    else if (i - bricks_here < fragment_count())
+        add_triangle(fragments[i - bricks_here]);
 }

@@ -1,15 +1,16 @@
 #version 460
-// How many columns of bricks each triangle has, as sums. The groups after the triangles' own empty what the passes after
-// this one add to.
+// How many columns of bricks each asked triangle has, as sums. The groups after the triangles' own, where there are any,
+// empty what the passes after this one add to.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define SVO_FIRST_TRIANGLES_BINDING 2
+#define SVO_ASKED_BINDING 2
 #define SVO_GROUP_STARTS_BINDING 4
 #include "renderer/voxels/svo_sums.glsl"
-#include "renderer/voxels/svo_triangles.glsl"
+#include "renderer/voxels/svo_asked.glsl"
 #include "renderer/voxels/triangle_voxels.glsl"
 
+layout(push_constant, scalar) uniform Push { SvoBuildPush push; };
 layout(set = 0, binding = 1, scalar) readonly buffer Constants { SvoConstants constants; };
 layout(set = 0, binding = 3, scalar) writeonly buffer Columns { uint columns[]; };  // before each triangle, in its group
 layout(set = 0, binding = 5, scalar) writeonly buffer Flags { uint flags[]; };
@@ -23,7 +24,7 @@ void empty_what_is_added_to(uint thread, uint threads) {
 }
 
 void main() {
-    const uint groups = sum_groups(constants.triangle_count), group = group_number();
+    const uint groups = max(sum_groups(push.asked_triangles), 1u), group = group_number();
     if (group >= groups) {
         empty_what_is_added_to(flat_index() - groups * GROUP,
                                (gl_NumWorkGroups.x * gl_NumWorkGroups.y - groups) * GROUP);
@@ -31,19 +32,19 @@ void main() {
     }
     const uint number = group * GROUP + group_thread();
     uint count = 0u;
-    if (number < constants.triangle_count) {
-        const uvec2 place = svo_triangle(number, constants.instance_count);
-        if (is_voxelised(place.x)) {
-            const QuantisedTriangle triangle = quantised_triangle(constants, place.x, place.y);
+    if (number < push.asked_triangles) {
+        const SvoAskedInstance place = asked_instance(number, push.asked);
+        if (is_voxelised(place.instance)) {
+            const QuantisedTriangle triangle = quantised_triangle(constants, place.instance, number - place.first);
             count = triangle_columns(make_triangle_voxels(triangle, int(constants.grid.resolution) / BRICK_SIDE));
         }
     }
     uint group_columns, all_columns;
     const uint before = group_exclusive_sum(count, group_columns);
-    if (number < constants.triangle_count) columns[number] = before;
+    if (number < push.asked_triangles) columns[number] = before;
     if (!end_sums(groups, group_columns, all_columns) || group_thread() != 0u) return;
     state.columns = sums_wrap ? ~0u : all_columns;
     state.column_groups = rows_of_groups(state.columns > SVO_MOST_COLUMNS ? 0u : groups_of(all_columns, SVO_GROUP));
     state.fragments = 0u;
-    state.voxels = 0u;
+    state.voxels = push.kept_voxels;
 }

@@ -5,9 +5,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
-#define SVO_FIRST_TRIANGLES_BINDING 2
+#define SVO_ASKED_BINDING 2
+#include "renderer/voxels/svo_asked.glsl"
 #include "renderer/voxels/svo_build.glsl"
-#include "renderer/voxels/svo_triangles.glsl"
 #include "renderer/voxels/triangle_voxels.glsl"
 
 layout(local_size_x = SVO_GROUP) in;
@@ -22,7 +22,7 @@ uint first_column(uint triangle) { return columns[triangle] + column_starts[tria
 
 /// The last triangle that begins at or before a column: those without any begin where the next one does.
 uint triangle_of(uint column) {
-    uint low = 0u, high = constants.triangle_count;
+    uint low = 0u, high = push.asked_triangles;
     while (high - low > 1u) {
         const uint middle = (low + high) / 2u;
         if (first_column(middle) <= column) low = middle; else high = middle;
@@ -51,8 +51,9 @@ void main() {
     const uint column = flat_index();
     if (column >= state.columns) return;
     const uint number = triangle_of(column);
-    const uvec2 place = svo_triangle(number, constants.instance_count);
-    const TriangleVoxels triangle = make_triangle_voxels(quantised_triangle(constants, place.x, place.y),
+    const SvoAskedInstance place = asked_instance(number, push.asked);
+    const uint of_instance = number - place.first;
+    const TriangleVoxels triangle = make_triangle_voxels(quantised_triangle(constants, place.instance, of_instance),
                                                          int(constants.grid.resolution) / BRICK_SIDE);
     ivec3 turned;
     const ivec2 range = triangle_column(triangle, column - first_column(number), turned);
@@ -65,7 +66,8 @@ void main() {
         if (subgroupElect()) first = atomicAdd(state.fragments, subgroupBallotBitCount(here));
         const uint at = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(here);
         const uint code = morton_code(uvec3(brick));
-        if (at < push.fragment_capacity) fragments[at] = SvoFragment(code, number, uint[2](mask.x, mask.y));
+        if (at < push.fragment_capacity)
+            fragments[at] = SvoFragment(code, place.first_triangle + of_instance, uint[2](mask.x, mask.y));
         flag(code);
     }
 }

@@ -20,6 +20,9 @@ using gpu::VoxelGrid;
 /// About the bounds, a voxel's width away from them or more. `resolution`: a power of two, 16 to 1024; throws
 /// ErrorCode::OutOfRange for others. Bounds of no extent, or none at all, get a grid all the same.
 VoxelGrid make_voxel_grid(const Bounds3& bounds, uint32_t resolution);
+inline bool same_grid(const VoxelGrid& a, const VoxelGrid& b) {
+    return a.low == b.low && a.cell_m == b.cell_m && a.resolution == b.resolution;
+}
 
 /// The least edge [m] of cells about the bounds whose places floats tell apart.
 double least_cell_m(const Bounds3& bounds);

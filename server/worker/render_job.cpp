@@ -7,6 +7,7 @@
 
 #include "protocol/error.h"
 #include "renderer/backends/gpu/device.h"
+#include "renderer/voxels/kept_voxels.h"
 #include "server/method_params.h"
 #include "server/worker/job_setup.h"
 #include "server/worker/moving_passes.h"
@@ -104,8 +105,9 @@ void RenderJob::load_scene() {
     const bool warm = scenes_.holds(order_.source, order_.variant);
     if (order_.before) follow_frame_before();
     ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host, order_.moment);
-    const uint64_t warm_bytes =
-        warm ? ready_->bytes() + ready_->kept_bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
+    const uint64_t warm_bytes = warm ? ready_->bytes() + ready_->kept_bytes() +
+                                           (device_.software ? ready_->device_bytes() + ready_->kept_device_bytes() : 0)
+                                     : 0;
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
     if (device_.in_use) note_idle_device_memory();
     const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);
@@ -140,7 +142,9 @@ void RenderJob::note_idle_device_memory() {
     gpu::Memory& memory = device_.in_use->memory();
     memory.reset_peak();  // while the scene was uploaded no method held anything
     idle_device_structures_ = memory.structures();
-    for (const auto& [name, bytes] : ready_->device_structures) idle_device_structures_[name] -= bytes;
+    const std::map<std::string, uint64_t> kept = ready_->kept_voxels->device_structures();
+    for (const auto* held : {&ready_->device_structures, &kept})
+        for (const auto& [name, bytes] : *held) idle_device_structures_[name] -= bytes;
 }
 
 std::optional<DeviceMemoryUse> RenderJob::device_memory() const {

@@ -81,6 +81,7 @@ ReadyScene::~ReadyScene() = default;
 
 uint64_t ReadyScene::bytes() const { return sum_of(structures); }
 uint64_t ReadyScene::kept_bytes() const { return kept_voxels->bytes(); }
+uint64_t ReadyScene::kept_device_bytes() const { return sum_of(kept_voxels->device_structures()); }
 uint64_t ReadyScene::device_bytes() const { return sum_of(device_structures); }
 
 Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats) {
@@ -226,8 +227,10 @@ void SceneCache::evict_idle(const std::string& wanted_key) {
             continue;
         }
         if (entry->key != wanted_key) idle += bytes, idle_on_device += device_bytes;
-        if (idle + entry->ready->kept_bytes() > idle_bytes_) entry->ready->kept_voxels->clear();
-        idle += entry->ready->kept_bytes();
+        if (idle + entry->ready->kept_bytes() > idle_bytes_ ||
+            idle_on_device + entry->ready->kept_device_bytes() > idle_device_bytes)
+            entry->ready->kept_voxels->clear();
+        idle += entry->ready->kept_bytes(), idle_on_device += entry->ready->kept_device_bytes();
         ++entry;
     }
 }

@@ -51,9 +51,12 @@ struct ReadyScene {
 
     ReadyScene();
     ~ReadyScene();
-    uint64_t bytes() const;       // of the host, without what is kept of voxels
-    uint64_t kept_bytes() const;  // of the host: what can be let go at no loss but time
+    // Without what is kept of voxels, and that alone, which can be let go at no loss but time: of the host, then of the
+    // device.
+    uint64_t bytes() const;
+    uint64_t kept_bytes() const;
     uint64_t device_bytes() const;
+    uint64_t kept_device_bytes() const;
 };
 
 /// Loads or makes a scene, changed as the job asks. Stages `load` and, where it was changed, `needs`. Throws

@@ -13,6 +13,7 @@
 #include "renderer/many_lights/vpl_tracer_gpu.h"
 #include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
+#include "renderer/voxels/kept_voxels_gpu.h"
 
 namespace photond {
 
@@ -63,7 +64,7 @@ VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeG
 /// What lights take: none where a scene has no light, or no bounce is asked for.
 struct SvoLights {
     SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
-              EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
+              EmissionSampler sampler, std::shared_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
               DeviceImage& image, const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot,
               const std::optional<PathPilot>& path_pilot)
         : emission(std::move(sampler)),
@@ -95,7 +96,7 @@ struct SvoLights {
     VplVisibilityGpu visibility(VplVisibility kind) { return {kind, tree.get(), maps ? &*maps : nullptr}; }
 
     const EmissionSampler emission;
-    const std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+    const std::shared_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
     VplTracerGpu tracer;
     VplSetGpu set;
     VplLightingGpu lighting;
@@ -307,11 +308,10 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         return;
     }
     context.budget.record("emission_sampler", emission->bytes());
-    std::unique_ptr<SparseVoxelOctreeGpu> tree;
+    std::shared_ptr<SparseVoxelOctreeGpu> tree;
     if (params_.needs_voxels(context.view.layers)) {
-        tree = std::make_unique<SparseVoxelOctreeGpu>(
-            *context.device_scene, make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_));
-        tree->build_now(stats);
+        tree = make_octree(context.kept_voxels, *context.device_scene,
+                           make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_), stats);
         stats.counts.voxels += tree->voxel_count();
     } else {
         stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it",

@@ -8,6 +8,7 @@
 #include "renderer/methods/visibility_filtering/visibility_lists_gpu.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/surface_area.h"
+#include "renderer/voxels/kept_voxels_gpu.h"
 
 namespace photond {
 
@@ -66,12 +67,13 @@ std::string visibility_shader(const char* name) { return "renderer/methods/visib
 struct VisibilityFilteringGpu::State {
     /// What there is where light is.
     struct Lit {
-        Lit(const gpu::DeviceScene& scene, State& state, const VisibilityFilteringParams& params, Stats& stats);
+        Lit(const gpu::DeviceScene& scene, KeptVoxels* voxels, State& state, const VisibilityFilteringParams& params,
+            Stats& stats);
         void make_room(const VisibilityFilteringParams& params, uint32_t pass);
 
         const std::unique_ptr<LightDepthMapsGpu> depth_maps;  // null: nobody asks
         PointProxiesGpu proxies;
-        std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+        std::shared_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
         std::optional<KeptListsGpu> kept;            // null: frames stand alone
         std::optional<VisibilityListsGpu> lists;     // null: shadow rays tell
         gpu::ComputePipeline gather, merge;
@@ -105,15 +107,15 @@ struct VisibilityFilteringGpu::State {
     std::optional<Lit> lit;  // null: there is no indirect light
 };
 
-VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& state,
+VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, KeptVoxels* voxels, State& state,
                                         const VisibilityFilteringParams& params, Stats& stats)
     : depth_maps(make_depth_maps(scene, params, stats)),
       proxies(scene, depth_maps.get(), state.frame.image().counters(), state.seed, params.proxies,
               params.glossy_threshold),
-      tree(params.visibility == ProxyVisibility::Svo
-               ? std::make_unique<SparseVoxelOctreeGpu>(
-                     scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false)
-               : nullptr),
+      tree(
+          params.visibility == ProxyVisibility::Svo
+              ? make_octree(voxels, scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false, stats)
+              : nullptr),
       gather(scene.device(), visibility_shader("gather.comp"), sizeof(gpu::ListsPush), &scene.set(),
              scene.specialization(std::vector{
                  gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
@@ -123,10 +125,7 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& st
                  gpu::specialize(PAPER_NORMALISATION_ID, params.normalisation == ListNormalisation::Paper)})),
       merge(scene.device(), visibility_shader("merge.comp"), 0, &scene.set(),
             scene.specialization(merge_constants(state.frame.image(), params))) {
-    if (tree) {
-        tree->build_now(stats);
-        stats.counts.voxels += tree->voxel_count();
-    }
+    if (tree) stats.counts.voxels += tree->voxel_count();
     if (state.frames.keeps())
         kept.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
                      state.frames);
@@ -270,7 +269,7 @@ void VisibilityFilteringGpu::begin(const RenderContext& context, Stats& stats) {
         return;
     }
     const StageTimer timer(stats, "pipelines");
-    state_->lit.emplace(*context.device_scene, *state_, params_, stats);
+    state_->lit.emplace(*context.device_scene, context.kept_voxels, *state_, params_, stats);
     state_->lit->make_room(params_, 0);
 }
 

@@ -13,12 +13,6 @@ constexpr const char* kConeTree = "cone_tree";
 
 std::string cone_shader(const char* name) { return "renderer/methods/voxel_cone_tracing/" + std::string(name); }
 
-std::unique_ptr<SparseVoxelOctreeGpu> built_tree(const gpu::DeviceScene& scene, const VoxelGrid& grid, Stats& stats) {
-    auto tree = std::make_unique<SparseVoxelOctreeGpu>(scene, grid, true);
-    tree->build_now(stats);
-    return tree;
-}
-
 uint64_t table_words(uint32_t levels) {
     uint64_t words = 0;
     for (uint32_t level = 1; level <= levels; ++level) words = 8 * (words + 1);
@@ -39,9 +33,10 @@ gpu::ConeTreeConstants ConeTreeGpu::constants() const {
             .voxels = voxels};
 }
 
-ConeTreeGpu::ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats)
+ConeTreeGpu::ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats,
+                         KeptVoxels* kept)
     : scene_(scene),
-      tree_(built_tree(scene, grid, stats)),
+      tree_(make_octree(kept, scene, grid, true, stats)),
       host_constants_(constants()),
       constants_(gpu::make_buffer(scene.device(), kConeTree, std::span(&host_constants_, 1))),
       table_(scene.device(), kConeTree, host_constants_.table_words * sizeof(uint32_t)),

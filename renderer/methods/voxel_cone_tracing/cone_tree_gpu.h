@@ -4,15 +4,16 @@
 
 #include "renderer/many_lights/photons_by_cell_gpu.h"
 #include "renderer/methods/voxel_cone_tracing/cone_tree_shared.h"
-#include "renderer/voxels/sparse_voxel_octree_gpu.h"
+#include "renderer/voxels/kept_voxels_gpu.h"
 
 namespace photond {
 
 class ConeTreeGpu {
 public:
-    /// Builds the tree and finds out how much of each voxel is covered; waits. `most`: photons of a pass. Borrows the
-    /// scene. Stages `voxelise` and `svo_build`.
-    ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats);
+    /// Makes the tree and finds out how much of each voxel is covered; waits. `most`: photons of a pass. Borrows the
+    /// scene. Stages `voxelise`, `svo_build` and `svo_update`.
+    ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats,
+                KeptVoxels* kept = nullptr);
     /// Where nothing is known of the scene but its triangles' number.
     static uint64_t guess_device_bytes(uint32_t resolution, uint32_t most, uint64_t triangles);
 
@@ -32,7 +33,7 @@ private:
     gpu::ConeTreeConstants constants() const;
 
     const gpu::DeviceScene& scene_;
-    const std::unique_ptr<SparseVoxelOctreeGpu> tree_;
+    const std::shared_ptr<SparseVoxelOctreeGpu> tree_;
     const gpu::ConeTreeConstants host_constants_;
     gpu::Buffer constants_, table_, cells_;
     PhotonsByCellGpu by_voxel_;

@@ -41,7 +41,7 @@ struct VoxelConeTracingGpu::State {
     struct Lit {
         Lit(const RenderContext& context, const VoxelConeTracingParams& params, DeviceImage& image, Stats& stats)
             : tree(*context.device_scene, make_voxel_grid(context.scene.bounds, params.voxel_resolution),
-                   most_photons(params), stats),
+                   most_photons(params), stats, context.kept_voxels),
               albedos(gpu::make_buffer<vec2>(context.device_scene->device(), "lobe_albedos",
                                              AlbedoTable::unraised().device_data())),
               light(context.device_scene->device(), "renderer/methods/voxel_cone_tracing/cone_light.comp",

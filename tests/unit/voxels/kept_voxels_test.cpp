@@ -6,51 +6,10 @@
 
 #include <cstring>
 
-#include "renderer/scene/rig_builder.h"
-#include "renderer/scene/scene.h"
-#include "tests/support/scene_parts.h"
+#include "tests/support/theatre.h"
 
 namespace photond::kept_voxels_test {
 namespace {
-
-constexpr float kLeft = -6;  // where what leaves the grid ends
-
-/// A room with what stands still in it, and of what moves: a sphere that turns as it flies, one that shrinks to
-/// nothing, one that jumps, one that leaves the room, and one whose material lets light pass for a time.
-Scene make_theatre() {
-    Scene scene;
-    test::add(scene, MeshBuilder().box(vec3(-2), vec3(2)).build(0), test::lambert(0.5f));
-    test::add(scene, MeshBuilder().torus(vec3(0), 0.9f, 0.3f, 24, 12).build(0), test::lambert(0.5f));
-    Rig rig;
-    Animation animation;
-    const auto add_sphere = [&](float radius, const vec3& at) {
-        auto object = std::make_shared<ObjectMesh>();
-        object->mesh = make_icosphere(2, static_cast<uint32_t>(scene.materials.size()));
-        for (vec3& p : object->mesh.positions) p = radius * p;
-        scene.materials.push_back(test::lambert(0.5f));
-        const uint32_t node = add_node(rig, {.translation = dvec3(at)});
-        add_rigged_mesh(scene, rig, std::move(object), node);
-        return node;
-    };
-    const uint32_t flying = add_sphere(0.5f, vec3(0)), shrinking = add_sphere(0.6f, vec3(1, 1, 0)),
-                   jumping = add_sphere(0.4f, vec3(0)), leaving = add_sphere(0.3f, vec3(0));
-    add_sphere(0.5f, vec3(-1, 0.5f, 0.2f));
-    const auto material = static_cast<uint32_t>(scene.materials.size()) - 1;
-    scene.materials[material].alpha_mode = AlphaMode::Mask;
-    scene.materials[material].alpha = 0.6f;
-    rig.materials.push_back({.material = material, .rest = scene.materials[material]});
-    animation.channels = {
-        drive(Property::Translation, flying, {0, 1}, {-1, -1, -1, 1, 0.5f, 1}),
-        drive(Property::Rotation, flying, {0, 1}, keys_of({turn_about({0, 1, 0}, 0), turn_about({0, 1, 0}, 2)})),
-        drive(Property::Scale, shrinking, {0, 0.5f, 1}, {1, 1, 1, 0, 0, 0, 1, 1, 1}),
-        drive(Property::Translation, jumping, {0, 0.3f, 0.7f}, {1, -1, 0, -1, 1, 1, 0, 0, -1.5f}, Interpolation::Step),
-        drive(Property::Translation, leaving, {0, 1}, {0, 0, 1, kLeft, 0, 1}),
-        drive(Property::AlphaCutoff, 0, {0, 0.4f, 0.8f}, {0.5f, 0.7f, 0.5f}, Interpolation::Step)};
-    rig.animations.push_back(std::move(animation));
-    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
-    finish_scene(scene);
-    return scene;
-}
 
 template <class T>
 void expect_same(std::span<const T> a, std::span<const T> b, const char* what) {
@@ -72,7 +31,7 @@ void expect_same_bits(const SparseVoxelOctree& tree, const SparseVoxelOctree& an
 
 /// A scene and what is kept of it.
 struct Theatre {
-    Scene scene = make_theatre();
+    Scene scene = test::make_theatre();
     KeptVoxels kept;
     MemoryBudget budget;
 
