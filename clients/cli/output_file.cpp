@@ -25,26 +25,36 @@ OutputFile::OutputFile(std::filesystem::path path)
         descriptor_ = STDOUT_FILENO;
         return;
     }
+    std::error_code ignored;
+    if (const auto status = std::filesystem::status(path_, ignored); std::filesystem::is_other(status)) {
+        beside_.clear();  // a device or a pipe is written to: a file of its name would take its place
+        descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+        if (descriptor_ < 0) fail("cannot write");
+        return;
+    }
     descriptor_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail("cannot write");
 }
 
 OutputFile::~OutputFile() {
-    if (descriptor_ < 0 || beside_.empty()) return;
+    if (descriptor_ < 0 || descriptor_ == STDOUT_FILENO) return;
     close(descriptor_);
-    unlink(beside_.c_str());
+    if (!beside_.empty()) unlink(beside_.c_str());
 }
 
 void OutputFile::check_place(const std::filesystem::path& path) {
     if (path == kStandardOutput) return;
-    if (std::filesystem::is_directory(path))
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    if (std::filesystem::is_other(status)) return;  // to open a pipe would wait for who reads it
+    if (std::filesystem::is_directory(status))
         throw Failure(ExitCode::LocalFile, "cannot write " + path.string() + ": it is a folder");
     const OutputFile made(path);
 }
 
 void OutputFile::restart() {
     if (beside_.empty()) {
-        if (size_bytes_ > 0) throw Failure(ExitCode::LocalFile, "what standard output has cannot be taken back");
+        if (size_bytes_ > 0) throw Failure(ExitCode::LocalFile, "what " + path_.string() + " has cannot be taken back");
         return;
     }
     if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0) fail("cannot write");

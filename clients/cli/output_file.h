@@ -1,5 +1,6 @@
 #pragma once
-// Result files: written beside and renamed, so that a name never holds half a file. "-" is standard output.
+// Result files: written beside and renamed, so that a name never holds half a file. "-" is standard output,
+// and devices and pipes are written to as they are.
 
 #include <filesystem>
 #include <string>

@@ -297,6 +297,9 @@ class Stopping(Case):
         self.assertIn(self.state(identity), ("queued", "running"))
         self.run_ok("comparisons", "cancel", identity)
         self.run_for(CANCELLED, "comparisons", "watch", identity)
+        self.assertIn("was over before: it had been cancelled", self.run_ok("comparisons", "cancel", identity).stderr)
+        self.assertIn(f"{identity} removed", self.run_ok("comparisons", "remove", identity).stderr)
+        self.assertEqual(get(f"/v1/comparisons/{identity}").status, 404)
 
     def test_an_interrupt_cancels_where_asked_to(self):
         process, identity = self.start_long("--cancel-on-interrupt")

@@ -166,6 +166,16 @@ class Rendering(Case):
                 self.assertEqual(result.stdout, daemon.request("GET", f"/v1/jobs/{job}/{resource}").body)
                 self.assertIn(b"pixel hash", result.stderr)
 
+    def test_a_device_is_written_to_and_not_replaced(self):
+        (folder / "full.exr").symlink_to("/dev/full")
+        os.mkfifo(folder / "pipe.exr")
+        reader = subprocess.Popen(["cat", folder / "pipe.exr"], stdout=subprocess.PIPE)
+        self.addCleanup(reader.stdout.close)
+        self.run_ok("render", "furnace", *SMALL, "-o", "pipe.exr")
+        self.assertTrue(reader.communicate(timeout=patience())[0].startswith(b"\x76\x2f\x31\x01"))
+        self.assertIn("No space left", self.run_for(LOCAL_FILE, "render", "furnace", *SMALL, "-o", "full.exr").stderr)
+        self.assertTrue((folder / "full.exr").is_char_device() and (folder / "pipe.exr").is_fifo())
+
     def test_no_image_is_written_to_a_terminal(self):
         terminal, other_end = os.openpty()
         self.addCleanup(os.close, terminal)
