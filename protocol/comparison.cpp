@@ -221,7 +221,7 @@ std::vector<std::string> read_metrics(ObjectReader& body, const JobVocabulary& v
         try {
             wrong.throw_if_any();
         } catch (const Error& error) {
-            for (const Fault& fault : error.faults) faults.add(error.code, fault.pointer, fault.detail);
+            for (const Fault& fault : error.faults) faults.add(fault.code, fault.pointer, fault.detail);
             continue;
         }
         if (std::find(metrics.begin(), metrics.end(), name) != metrics.end())
@@ -269,7 +269,7 @@ public:
         } catch (const Error& error) {
             for (const Fault& fault : error.faults)
                 if (!fault.pointer.starts_with("/method"))
-                    faults_.add(error.code, mapped(fault.pointer, {}, metric_places_), fault.detail);
+                    faults_.add(fault.code, mapped(fault.pointer, {}, metric_places_), fault.detail);
         }
     }
 
@@ -312,7 +312,7 @@ private:
             jobs.push_back(std::move(job));
         } catch (const Error& error) {
             for (const Fault& fault : error.faults)
-                faults_.add(error.code, mapped(fault.pointer, place, metric_places_), fault.detail);
+                faults_.add(fault.code, mapped(fault.pointer, place, metric_places_), fault.detail);
         }
     }
 

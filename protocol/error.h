@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace photond {
@@ -111,8 +112,13 @@ constexpr ErrorCode error_code_named(std::string_view name) {
     return ErrorCode::Internal;
 }
 
-/// One fault and the place it is at: a JSON pointer (RFC 6901) into the body or the glTF, empty for the whole.
+/// One fault, of which kind it is, and the place it is at: a JSON pointer (RFC 6901) into the body or the glTF, empty
+/// for the whole.
 struct Fault {
+    Fault(ErrorCode kind, std::string place, std::string what)
+        : code(kind), pointer(std::move(place)), detail(std::move(what)) {}
+
+    ErrorCode code;
     std::string pointer;
     std::string detail;
 };
@@ -121,7 +127,7 @@ struct Fault {
 class Error : public std::runtime_error {
 public:
     Error(ErrorCode error_code, std::string pointer, const std::string& detail)
-        : std::runtime_error(detail), code(error_code), faults{{std::move(pointer), detail}} {}
+        : std::runtime_error(detail), code(error_code), faults{{error_code, std::move(pointer), detail}} {}
     Error(ErrorCode error_code, const std::string& detail) : std::runtime_error(detail), code(error_code) {}
     Error(ErrorCode error_code, const std::string& detail, std::vector<Fault> all)
         : std::runtime_error(detail), code(error_code), faults(std::move(all)) {}

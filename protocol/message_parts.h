@@ -15,9 +15,10 @@ namespace photond {
 /// An Error on its way to the daemon.
 struct Failure {
     struct Place {
-        std::string pointer, detail;
+        std::string code, pointer, detail;
 
         void visit(MessageVisitor& visitor) {
+            visitor.member("code", code);
             visitor.member("pointer", pointer);
             visitor.member("detail", detail);
         }

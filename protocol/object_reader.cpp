@@ -17,11 +17,16 @@ void BodyFaults::add(ErrorCode code, std::string pointer, std::string detail) {
         ++left_out_;
         return;
     }
-    faults_.push_back({std::move(pointer), std::move(detail)});
+    faults_.emplace_back(code, std::move(pointer), std::move(detail));
 }
 
 void BodyFaults::take(ErrorCode code, std::vector<Fault>&& faults) {
-    for (Fault& fault : faults) add(code, std::move(fault.pointer), std::move(fault.detail));
+    if (size() == 0 && !faults.empty()) first_ = code;
+    for (Fault& fault : faults)
+        if (faults_.size() >= kMostListed)
+            ++left_out_;
+        else
+            faults_.push_back(std::move(fault));
 }
 
 void BodyFaults::throw_if_any() const {

@@ -16,7 +16,7 @@ namespace photond {
 class BodyFaults {
 public:
     void add(ErrorCode code, std::string pointer, std::string detail);
-    /// Notes what somebody else found in `faults`, as a fault of `code`.
+    /// Notes what somebody else found. Where the first of all faults is among them, the Error is one of `code`.
     void take(ErrorCode code, std::vector<Fault>&& faults);
     /// Throws them as one Error where there are any.
     void throw_if_any() const;

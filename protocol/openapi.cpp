@@ -26,7 +26,8 @@ json problem_schema() {
                   {"code", {{"type", "string"}, {"enum", codes}}},
                   {"detail", typed("string", "what went wrong, with the value and the limit")},
                   {"instance", nullable("string", "the path asked for")},
-                  {"errors", list_of(given({{"pointer", typed("string", "JSON pointer into the body (or the glTF)")},
+                  {"errors", list_of(given({{"code", {{"type", "string"}, {"enum", codes}}},
+                                            {"pointer", typed("string", "JSON pointer into the body (or the glTF)")},
                                             {"detail", typed("string")}}))}});
 }
 

@@ -40,7 +40,8 @@ public:
     void flag(std::string_view key, bool& value, const ParamFlag&) override {
         const json* given = find(key);
         if (given == nullptr) return;
-        if (!given->is_boolean()) return fault(key, "must be true or false, got " + value_text(*given));
+        if (!given->is_boolean())
+            return fault(ErrorCode::WrongType, key, "must be true or false, got " + value_text(*given));
         value = given->get<bool>();
     }
     void choice(std::string_view key, uint32_t& value, const ParamChoice& choices) override {
@@ -49,21 +50,23 @@ public:
         std::vector<std::string> words(choices.words.begin(), choices.words.end());
         std::string list;
         for (const std::string& word : words) list += (list.empty() ? "\"" : ", \"") + word + "\"";
-        if (!given->is_string()) return fault(key, "must be one of " + list + ", got " + value_text(*given));
+        if (!given->is_string())
+            return fault(ErrorCode::WrongType, key, "must be one of " + list + ", got " + value_text(*given));
         const auto word = given->get<std::string>();
         for (size_t i = 0; i < words.size(); ++i)
             if (words[i] == word) {
                 value = static_cast<uint32_t>(i);
                 return;
             }
-        fault(key, "must be one of " + list + ", got " + value_text(*given) + did_you_mean(word, words));
+        fault(ErrorCode::UnknownName, key,
+              "must be one of " + list + ", got " + value_text(*given) + did_you_mean(word, words));
     }
 
     void refuse_unknown() {
         for (const auto& [key, value] : source_.items()) {
             bool known = false;
             for (const std::string& name : known_) known = known || name == key;
-            if (!known) fault(key, "unknown parameter" + did_you_mean(key, known_));
+            if (!known) fault(ErrorCode::UnknownField, key, "unknown parameter" + did_you_mean(key, known_));
         }
     }
 
@@ -92,26 +95,26 @@ private:
         if (given == nullptr) return false;
         constexpr bool kWhole = std::is_integral_v<Value>;
         if (!given->is_number() || (kWhole && !is_whole(*given))) {
-            fault(key,
+            fault(ErrorCode::WrongType, key,
                   std::string(kWhole ? "must be a whole number" : "must be a number") + ", got " + value_text(*given));
             return false;
         }
         const double x = given->get<double>();
         if (!(x >= info.min && x <= info.max)) {  // written so that NaN fails too
-            fault(key, value_text(*given) + " is outside " + range_text(info));
+            fault(ErrorCode::OutOfRange, key, value_text(*given) + " is outside " + range_text(info));
             return false;
         }
         // Declared ranges are doubles: one that is wider than the field's own type is held to the type.
         if (!(std::abs(x) <= static_cast<double>(std::numeric_limits<Value>::max()))) {
-            fault(key, value_text(*given) + " is too large");
+            fault(ErrorCode::OutOfRange, key, value_text(*given) + " is too large");
             return false;
         }
         value = static_cast<Value>(x);
         return true;
     }
 
-    void fault(std::string_view key, const std::string& detail) {
-        faults_.push_back({pointer_ + "/" + pointer_token(key), std::string(key) + ": " + detail});
+    void fault(ErrorCode code, std::string_view key, const std::string& detail) {
+        faults_.emplace_back(code, pointer_ + "/" + pointer_token(key), std::string(key) + ": " + detail);
     }
 
     const json& source_;
@@ -212,7 +215,7 @@ private:
 
 void read_params(MethodParams& params, const json& source, const std::string& pointer, std::vector<Fault>& faults) {
     if (!source.is_object()) {
-        faults.push_back({pointer, "must be an object, got " + value_text(source)});
+        faults.emplace_back(ErrorCode::WrongType, pointer, "must be an object, got " + value_text(source));
         return;
     }
     const size_t faults_before = faults.size();
@@ -223,8 +226,8 @@ void read_params(MethodParams& params, const json& source, const std::string& po
     try {
         params.check();
     } catch (const Error& error) {
-        if (error.faults.empty()) faults.push_back({pointer, error.what()});
-        for (const Fault& fault : error.faults) faults.push_back({pointer + fault.pointer, fault.detail});
+        if (error.faults.empty()) faults.emplace_back(error.code, pointer, error.what());
+        for (const Fault& fault : error.faults) faults.emplace_back(fault.code, pointer + fault.pointer, fault.detail);
     }
 }
 

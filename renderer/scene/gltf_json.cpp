@@ -165,7 +165,7 @@ void FaultList::add(ErrorCode code, std::string pointer, std::string detail) {
     const auto same = [&](const Fault& fault) { return fault.pointer == pointer && fault.detail == detail; };
     if (faults_.size() >= kMaxFaults || std::ranges::any_of(faults_, same)) return;
     if (faults_.empty()) code_ = code;
-    faults_.push_back({std::move(pointer), std::move(detail)});
+    faults_.emplace_back(code, std::move(pointer), std::move(detail));
 }
 
 void FaultList::add(const JsonFault& fault, const Json& root) {

@@ -39,7 +39,7 @@ std::optional<double> Query::number(const std::string& name) {
     const std::string given = text(name);
     if (given.empty()) return std::nullopt;
     const std::optional<double> value = number_in(given);
-    if (!value) faults_.push_back({"/" + name, "must be a number, got " + value_text(given)});
+    if (!value) faults_.emplace_back(ErrorCode::WrongType, "/" + name, "must be a number, got " + value_text(given));
     return value;
 }
 
@@ -53,7 +53,8 @@ std::optional<std::array<double, 3>> Query::point(const std::string& name) {
         const auto z = number_in(std::string_view(given).substr(second + 1));
         if (x && y && z) return std::array{*x, *y, *z};
     }
-    faults_.push_back({"/" + name, "must be three numbers with commas between them, got " + value_text(given)});
+    faults_.emplace_back(ErrorCode::WrongType, "/" + name,
+                         "must be three numbers with commas between them, got " + value_text(given));
     return std::nullopt;
 }
 
@@ -65,14 +66,14 @@ std::optional<uint32_t> Query::integer(const std::string& name) {
     uint32_t value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error == std::errc() && end == given.data() + given.size()) return value;
-    faults_.push_back({"/" + name, "must be a whole number, got " + value_text(given)});
+    faults_.emplace_back(ErrorCode::WrongType, "/" + name, "must be a whole number, got " + value_text(given));
     return std::nullopt;
 }
 
 bool Query::flag(const std::string& name, bool otherwise) {
     const std::string given = text(name, otherwise ? "true" : "false");
     if (given != "true" && given != "false")
-        faults_.push_back({"/" + name, "must be true or false, got " + value_text(given)});
+        faults_.emplace_back(ErrorCode::WrongType, "/" + name, "must be true or false, got " + value_text(given));
     return given == "true";
 }
 
@@ -83,9 +84,10 @@ void Query::finish() {
         const std::string pointer = "/" + pointer_token(name.substr(0, 64));
         if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
             if (faults_.empty()) code = ErrorCode::UnknownField;
-            faults_.push_back({pointer, "unknown query parameter" + did_you_mean(name, known_)});
+            faults_.emplace_back(ErrorCode::UnknownField, pointer,
+                                 "unknown query parameter" + did_you_mean(name, known_));
         } else if (values_.count(name) > 1) {
-            faults_.push_back({pointer, "is given more than once"});
+            faults_.emplace_back(ErrorCode::Conflict, pointer, "is given more than once");
         }
     }
     if (faults_.empty()) return;

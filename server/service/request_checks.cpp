@@ -44,13 +44,14 @@ void check_layers(const JobRequest& request, const std::string& reference, const
     for (const auto& [metric, pointer] : measured(request)) {
         const std::string layer = layer_of_metric(metric);
         if (is_kept_always(layer) || std::find(layers.begin(), layers.end(), layer) != layers.end()) continue;
-        faults.push_back({pointer, std::string("'")
-                                       .append(metric)
-                                       .append("' needs the layer '")
-                                       .append(layer)
-                                       .append("', which ")
-                                       .append(reference)
-                                       .append(" has not")});
+        faults.emplace_back(ErrorCode::Conflict, pointer,
+                            std::string("'")
+                                .append(metric)
+                                .append("' needs the layer '")
+                                .append(layer)
+                                .append("', which ")
+                                .append(reference)
+                                .append(" has not"));
     }
     if (faults.empty()) return;
     const std::string first = faults.front().detail;

@@ -236,6 +236,15 @@ class MalformedJobsTest(DaemonTestCase):
                 problem = self.assert_refused(self.poster.post(text), 422)
                 self.assertEqual([error["pointer"] for error in problem["errors"]], [""])
 
+    def test_each_fault_has_its_code(self):
+        body = {**BASE, "color": "red", "method": {"name": "path_tracing", "parameters": {"indirect_bounces": "two"}},
+                "image": {"width": 16, "height": 100_000}}
+        del body["stop"]
+        problem = self.assert_refused(self.poster.post(json.dumps(body)), 422)
+        self.assertEqual({error["pointer"]: error["code"] for error in problem["errors"]},
+                         {"/color": "unknown_field", "/method/parameters/indirect_bounces": "wrong_type",
+                          "/image/height": "out_of_range", "/stop": "missing_field"})
+
     def test_several_faults_are_named_together(self):
         body = changed("/image", {"width": 0, "hight": 3})
         body["layers"] = ["albdo"]

@@ -79,11 +79,12 @@ TEST(WorkerMessages, OfTheEndOfAnAttempt) {
         R"({"type": "finished", "job": "J1", "attempt": 2, "state": "failed", "passes_done": 0, "seconds": 0.0,
             "film": null, "statistics": null, "cores": null, "rendered": null, "curve": null, "error_now": null, "artefacts": [],
             "failure": {"code": "out_of_range", "detail": "too wide",
-                        "errors": [{"pointer": "/image/width", "detail": "too wide"}]},
+                        "errors": [{"code": "wrong_type", "pointer": "/image/width", "detail": "too wide"}]},
             "log": [], "stopping": true})");
     const Error error = error_of(failed.failure);
     EXPECT_EQ(error.code, ErrorCode::OutOfRange);
     EXPECT_EQ(error.faults.at(0).pointer, "/image/width");
+    EXPECT_EQ(error.faults.at(0).code, ErrorCode::WrongType);
     EXPECT_EQ(part_json(Failure::of(error)), part_json(failed.failure));
     EXPECT_EQ(error_of(std::nullopt).code, ErrorCode::Internal);
 }
