@@ -99,6 +99,7 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   const image = stage.locator("img");
   await image.waitFor();
   await page.getByText(/512 × 384, 16 passes in/).waitFor();
+  await page.getByText("Preview, filtered").waitFor();
   const exact = await image.getAttribute("src");
   await page.locator(".scene-cameras img").waitFor();
   await shoot(page, "scene");
@@ -117,7 +118,11 @@ test("a scene is looked at from anywhere, and its address brings the view back",
       const now = query(page);
       const linked = new URL(await forward.getAttribute("href"), page.url()).searchParams;
       assert.ok(now.eye);
-      assert.deepEqual(Object.fromEntries(linked), { scene: "cornell-box", ...now });
+      const { width, height, exposure, curve, ...view } = Object.fromEntries(linked);
+      assert.deepEqual(view, { scene: "cornell-box", ...now });
+      // In the shape of the picture and by its exposure.
+      assert.ok(Math.abs(width / height / (4 / 3) - 1) < 0.01, `${width} × ${height}`);
+      assert.ok(Number(exposure) !== 0 && curve === "filmic", `${exposure} ${curve}`);
       return now;
     });
   const orbited = await atRest();
@@ -148,6 +153,28 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   assert.deepEqual(job.request.camera.look_at.target, numbers(panned.target));
 
   await page.reload();
+  await image.waitFor();
+  assert.deepEqual(await atRest(), panned);
+  await page.getByText(/512 × 384, 16 passes in/).waitFor();
+  await shoot(page, "scene-before-render");
+  const wanted = new URL(await forward.getAttribute("href"), page.url()).searchParams;
+  await forward.click();
+  await page.getByTestId("shown-by").filter({ hasText: /will be shown at [+−]?[\d.]+ stops, filmic, as the view was/ }).waitFor();
+  await eventually(async () => assert.deepEqual([await page.getByLabel("Width").inputValue(), await page.getByLabel("Height").inputValue()], [wanted.get("width"), wanted.get("height")]));
+  // One side follows the other.
+  await page.getByLabel("Width").fill("96");
+  await eventually(async () => assert.equal(await page.getByLabel("Height").inputValue(), "72"));
+  await page.getByLabel("Passes").fill("4");
+  await page.getByRole("button", { name: "Render", exact: true }).click();
+  await page.waitForURL(/\/jobs\/J\d+/);
+  assert.equal(query(page).exposure, wanted.get("exposure"));
+  assert.equal(query(page).curve, "filmic");
+  const rendered = await daemon.get(`/v1/jobs/${new URL(page.url()).pathname.split("/").at(-1)}`);
+  assert.deepEqual(rendered.request.camera.look_at.eye, numbers(panned.eye));
+  assert.deepEqual([rendered.request.image.width, rendered.request.image.height], [96, 72]);
+  await page.locator(".job-picture img").first().waitFor();
+  await shoot(page, "scene-rendered-from-here");
+  await page.goto(daemon.url + "/scenes/cornell-box?" + new URLSearchParams(panned));
   await image.waitFor();
   assert.deepEqual(await atRest(), panned);
   await page.getByRole("button", { name: /^camera/ }).click();

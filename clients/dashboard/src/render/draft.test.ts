@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 
-import { cameraChoice, faultsWithin, kFirstRequest, labelsOf, labelsText, newKey, parseRequest, requestOfQuery, withInner, withMember } from "./draft";
+import type { JobRequest, Scene } from "../api/types";
+import { aspectOfCamera, cameraChoice, faultsWithin, inShapeOfCamera, kFirstRequest, labelsOf, labelsText, newKey, parseRequest, requestOfQuery, shownBy, withInner, withMember } from "./draft";
 
 describe("a request being written", () => {
   it("starts with what the address asks for", () => {
@@ -8,6 +9,23 @@ describe("a request being written", () => {
     expect(requestOfQuery({ scene: "keyhole", method: "photon_mapping", width: "64", height: "x" }, { name: "side" })).toEqual({
       scene: "keyhole", camera: { name: "side" }, image: { width: 64, height: 512 }, method: { name: "photon_mapping" }, stop: { passes: 64 },
     });
+  });
+  it("has the shape that its camera asks for, and keeps it with another camera", () => {
+    const camera = (name: string, aspect: number | null) => ({ name, aspect, yfov: 1, look_at: null });
+    const scenes = [{ id: "room", name: "room", cameras: [camera("wide", 2.35), camera("any", null)] } as unknown as Scene];
+    expect(requestOfQuery({ scene: "room" }, null, scenes).image).toEqual({ width: 784, height: 334 });
+    expect(requestOfQuery({ scene: "room" }, { name: "any" }, scenes).image).toEqual({ width: 512, height: 512 });
+    expect(requestOfQuery({ scene: "room", width: "64", height: "48" }, null, scenes).image).toEqual({ width: 64, height: 48 });
+    const own = { ...kFirstRequest, scene: "room", camera: { look_at: { eye: [0, 0, 1], target: [0, 0, 0] } } } as JobRequest;
+    expect(aspectOfCamera(own, scenes)).toBeNull();
+    expect(inShapeOfCamera(own, scenes)).toBe(own);
+    const shaped = inShapeOfCamera({ ...kFirstRequest, scene: "room" }, scenes);
+    expect(inShapeOfCamera(shaped, scenes)).toBe(shaped);
+  });
+  it("says how its picture is to be shown, where it comes from a view", () => {
+    expect(shownBy({ exposure: "-1.5", curve: "filmic" })).toEqual({ exposure: "-1.5", curve: "filmic" });
+    expect(shownBy({ exposure: "0", curve: "odd" })).toEqual({ exposure: "0", curve: null });
+    expect([shownBy({}), shownBy({ exposure: "much" })]).toEqual([null, null]);
   });
   it("starts at the moment the address asks for", () => {
     expect(requestOfQuery({ animation: "walk", time: "1.5", shutter: "0.02" }, null)).toEqual({ ...kFirstRequest, animation: "walk", time: 1.5, shutter: 0.02 });
@@ -41,7 +59,7 @@ describe("a request being written", () => {
     expect(labelsText({ study: "x", b: "" })).toBe("study=x\nb=");
   });
   it("knows its camera", () => {
-    const cameras = [{ name: "front", yfov: 1, look_at: null }];
+    const cameras = [{ name: "front", yfov: 1, aspect: null, look_at: null }];
     expect(cameraChoice(kFirstRequest, cameras)).toBe("front");
     expect(cameraChoice({ ...kFirstRequest, camera: { look_at: { eye: [0, 0, 1], target: [0, 0, 0] } } }, cameras)).toBe("own");
     expect(cameraChoice({ ...kFirstRequest, camera: { name: "side" } }, cameras)).toBe("side");

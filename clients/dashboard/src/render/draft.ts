@@ -1,9 +1,14 @@
 // The request that is being written: where it starts, what was changed, and where its faults belong.
 
-import type { Fault, Job, JobRequest, Json, Method, SceneCamera } from "../api/types";
+import type { Fault, Job, JobRequest, Json, Method, Scene, SceneCamera } from "../api/types";
+import { boundedAspect, sizeOfAspect } from "../ui/aspect";
 import { minimalRequest } from "../ui/job_request";
+import { sceneNamed } from "./scenes";
 
 export const kDefaultScene = "cornell-box";
+
+/** What a side of whole pixels makes of a shape. */
+export const kSameShape = 0.015;
 
 /** What a render begins with when nothing is said: small and quick, by the method the others are measured by. */
 export const kFirstRequest: JobRequest = {
@@ -23,17 +28,42 @@ function momentOfQuery({ animation, time, shutter }: Record<string, string>): Pi
   };
 }
 
+/** How the picture is to be shown once it is rendered, as the page of its job reads it: as the view was that it comes from. */
+export function shownBy({ exposure, curve }: Record<string, string | undefined>): { exposure: string; curve: string | null } | null {
+  const stops = Number(exposure);
+  if (!exposure || !Number.isFinite(stops)) return null;
+  return { exposure: String(stops), curve: curve === "filmic" ? curve : null };
+}
+
 /** The request an address asks for, but for the job that `from` names. */
-export function requestOfQuery(query: Record<string, string>, camera: JobRequest["camera"]): JobRequest {
+export function requestOfQuery(query: Record<string, string>, camera: JobRequest["camera"], scenes: Scene[] = []): JobRequest {
   const size = (text: string | undefined, otherwise: number) => (Number(text) >= 1 ? Math.floor(Number(text)) : otherwise);
+  const scene = query.scene || kFirstRequest.scene;
+  const { image } = inShapeOfCamera({ ...kFirstRequest, scene, ...(camera ? { camera } : {}) }, scenes);
   return {
     ...kFirstRequest,
-    scene: query.scene || kFirstRequest.scene,
+    scene,
     ...(camera ? { camera } : {}),
-    image: { width: size(query.width, kFirstRequest.image.width), height: size(query.height, kFirstRequest.image.height) },
+    image: { width: size(query.width, image.width), height: size(query.height, image.height) },
     method: query.method ? { name: query.method } : kFirstRequest.method,
     ...momentOfQuery(query),
   };
+}
+
+/** The shape of the image that the request's camera asks for; null where it asks for none, or has a view of its own. */
+export function aspectOfCamera(request: JobRequest, scenes: Scene[]): number | null {
+  if (request.camera?.look_at) return null;
+  const cameras = sceneNamed(scenes, request.scene)?.cameras ?? [];
+  const name = request.camera?.name;
+  return (name ? cameras.find((camera) => camera.name === name) : cameras[0])?.aspect ?? null;
+}
+
+/** The request with about as many pixels, in the shape that its camera asks for. */
+export function inShapeOfCamera(request: JobRequest, scenes: Scene[]): JobRequest {
+  const aspect = aspectOfCamera(request, scenes);
+  const { width, height } = request.image;
+  if (aspect === null || Math.abs(width / height / aspect - 1) < kSameShape) return request;
+  return { ...request, image: { ...request.image, ...sizeOfAspect(boundedAspect(aspect), width * height) } };
 }
 
 export const requestOfJob = (job: Job, methods: Method[]): JobRequest => minimalRequest(job.request, methods);

@@ -2,17 +2,18 @@
 
 import type { Device, Fault, JobRequest, LookAt, Method, MethodChoice, Reference, Scene, StopConditions, Vec3 } from "../api/types";
 import { metrics, targetMetrics } from "../api/vocabulary";
+import { aspectText, boundedAspect, kPixelChoices, sizeOfAspect } from "../ui/aspect";
 import { numberText, plainName } from "../ui/format";
 import { MethodForm } from "../ui/method_form";
 import { Picture } from "../ui/picture";
 import { StopFields } from "../ui/stop_fields";
-import { cameraChoice, faultsBelow, faultsWithin, labelsOf, labelsText, withInner, withMember } from "./draft";
+import { aspectOfCamera, cameraChoice, faultsBelow, faultsWithin, inShapeOfCamera, kSameShape, labelsOf, labelsText, withInner, withMember } from "./draft";
 import { FaultLines, Labelled, NumberField, TextField, Ticks } from "./fields";
 import { animationOf, atRest, hasMoment, withMoment } from "./moment";
 import { MomentPart } from "./moment_part";
 import { Panel } from "./panel";
 import { sceneNamed } from "./scenes";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 export interface Catalogue {
   scenes: Scene[];
@@ -27,6 +28,7 @@ interface Props {
   known: Catalogue;
 }
 
+/** Offered where neither the camera nor the image has another shape. */
 const kSizes: [number, number][] = [[256, 256], [512, 512], [1024, 1024], [1280, 720], [1920, 1080]];
 /** Those that a job has to name. */
 const metricsOnRequest = (): string[] => metrics.value.filter(({ values, on_request }) => values === 1 && on_request).map(({ name }) => name);
@@ -68,7 +70,8 @@ function ScenePart({ request, change, faults, known }: Props) {
   };
   const choose = (name: string) => {
     const lens = { aperture: request.camera?.aperture, focus_distance: request.camera?.focus_distance };
-    change(withInner({ ...request, camera: null }, "camera", name === "own" ? { ...lens, look_at: ownView() } : { ...lens, name: name === cameras[0]?.name ? null : name }));
+    const next = withInner({ ...request, camera: null }, "camera", name === "own" ? { ...lens, look_at: ownView() } : { ...lens, name: name === cameras[0]?.name ? null : name });
+    change(inShapeOfCamera(next, known.scenes));
   };
   const setLook = (part: Partial<LookAt>) => change(withInner(request, "camera", { look_at: { ...lookAt!, ...part } }));
   return (
@@ -76,11 +79,12 @@ function ScenePart({ request, change, faults, known }: Props) {
       <div class="render-scene">
         <div class="render-thumbnail">
           {scene && <Picture path={`/v1/scenes/${encodeURIComponent(scene.id)}/thumbnail.png`} alt={`The scene ${scene.name}`} ratio={4 / 3} />}
+          <span class="hint">A preview, filtered</span>
         </div>
         <div class="stack">
           <Labelled label="Scene" id="render-scene-choice" pointer="/scene" faults={faults} hint={scene ? `${numberText(scene.triangles ?? 0, 6)} triangles` : undefined}>
             {(aria) => (
-              <select {...aria} value={scene?.id ?? request.scene} onChange={(event) => change(withMember(withMember(atRest(request), "camera", null), "scene", event.currentTarget.value))}>
+              <select {...aria} value={scene?.id ?? request.scene} onChange={(event) => change(inShapeOfCamera(withMember(withMember(atRest(request), "camera", null), "scene", event.currentTarget.value), known.scenes))}>
                 {!scene && <option value={request.scene}>{request.scene}</option>}
                 {known.scenes.map(({ id, name }) => (
                   <option key={id} value={id}>
@@ -130,22 +134,66 @@ function ScenePart({ request, change, faults, known }: Props) {
   );
 }
 
-function ImagePart({ request, change, faults }: Props) {
+function ImagePart({ request, change, faults, known }: Props) {
   const { width, height } = request.image;
   const set = (image: Record<string, unknown>) => change({ ...request, image: { ...request.image, ...image } });
+  const wanted = aspectOfCamera(request, known.scenes);
+  const own = Number(width) > 0 && Number(height) > 0 ? width / height : null;
+  const follows = wanted !== null && own !== null && Math.abs(own / wanted - 1) < kSameShape;
+  const [kept, setKept] = useState(own !== null && own !== 1);
+  // One side follows the other while the shape is kept; what is no number is left for the daemon to name.
+  const shape = useRef(own ?? 1);
+  if (!kept && own !== null) shape.current = own;
+  const setSide = (name: "width" | "height", value: unknown) => {
+    if (!kept || typeof value !== "number" || !(value >= 1)) return set({ [name]: value });
+    const aspect = follows ? wanted : shape.current;
+    set(name === "width" ? { width: value, height: Math.max(1, Math.round(value / aspect)) } : { height: value, width: Math.max(1, Math.round(value * aspect)) });
+  };
+  const offered: [number, number][] =
+    wanted === null && (own === null || !kept)
+      ? kSizes
+      : kPixelChoices.map((pixels) => {
+          const size = sizeOfAspect(boundedAspect(wanted ?? shape.current), pixels);
+          return [size.width, size.height];
+        });
   return (
     <Panel title="Image">
       <div class="row render-sizes" role="group" aria-label="Sizes">
-        {kSizes.map(([w, h]) => (
+        {offered.map(([w, h]) => (
           <button key={`${w} ${h}`} type="button" class="small" aria-pressed={w === width && h === height} onClick={() => set({ width: w, height: h })}>
             {w} × {h}
           </button>
         ))}
       </div>
       <div class="fields">
-        <NumberField label="Width" id="render-width" pointer="/image/width" faults={faults} value={width} unit="pixels" onValue={(value) => set({ width: value })} />
-        <NumberField label="Height" id="render-height" pointer="/image/height" faults={faults} value={height} unit="pixels" onValue={(value) => set({ height: value })} />
+        <NumberField label="Width" id="render-width" pointer="/image/width" faults={faults} value={width} unit="pixels" onValue={(value) => setSide("width", value)} />
+        <NumberField label="Height" id="render-height" pointer="/image/height" faults={faults} value={height} unit="pixels" onValue={(value) => setSide("height", value)} />
       </div>
+      <div class="row">
+        <label class="row">
+          <input
+            type="checkbox"
+            checked={kept}
+            onChange={(event) => {
+              if (own !== null) shape.current = own;
+              setKept(event.currentTarget.checked);
+            }}
+          />
+          Keep the shape{own !== null && `, ${aspectText(own)}`}
+        </label>
+        {wanted !== null && !follows && (
+          <button type="button" class="small" onClick={() => change(inShapeOfCamera(request, known.scenes))}>
+            Take the camera’s, {aspectText(wanted)}
+          </button>
+        )}
+      </div>
+      <p class="hint" data-testid="shape">
+        {wanted === null
+          ? "The camera asks for no shape of the image: its field of view is the height’s, and the width shows what lies beside."
+          : follows
+            ? `The size follows the camera, whose file asks for ${aspectText(wanted)}.`
+            : `The camera’s file asks for ${aspectText(wanted)}: this image shows more at its sides, or less.`}
+      </p>
       <FaultLines faults={faults.filter((fault) => fault.pointer === "/image")} />
     </Panel>
   );

@@ -5,7 +5,7 @@ import "./render.css";
 import { useLocation } from "preact-iso";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import { Problem, sendJson } from "../api/client";
+import { Problem, sendJson, withQuery } from "../api/client";
 import { daemonStatus } from "../api/events";
 import type { Device, Fault, Job, JobRequest, Method, Page, Scene } from "../api/types";
 import { Title } from "../app/title";
@@ -13,7 +13,7 @@ import { cameraIn } from "../scenes/view_url";
 import { bytesText, secondsText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
-import { keepDraft, keptDraft, newKey, parseRequest, requestOfJob, requestOfQuery } from "./draft";
+import { keepDraft, keptDraft, newKey, parseRequest, requestOfJob, requestOfQuery, shownBy } from "./draft";
 import { DropRequest } from "./drop_request";
 import { useJudgement, type Judgement } from "./estimate";
 import { RequestForm, type Catalogue } from "./form";
@@ -48,7 +48,7 @@ export function RenderPage() {
       </>
     );
   const known: Catalogue = { scenes: scenes.data!.items, methods: methods.data!.items, devices: devices.data!.items };
-  const start = from.data ? requestOfJob(from.data, known.methods) : requestOfQuery(query, cameraIn(query));
+  const start = from.data ? requestOfJob(from.data, known.methods) : requestOfQuery(query, cameraIn(query), known.scenes);
   return <Writing key={url} title={title} start={start} known={known} />;
 }
 
@@ -93,6 +93,8 @@ function Estimated({ judgement }: { judgement: Judgement }) {
     </>
   );
 }
+
+const signed = (stops: number): string => `${stops > 0 ? "+" : ""}${stops}`.replace("-", "−");
 
 /** Goes to the field a fault is about, if the form has one. */
 function showField(pointer: string): void {
@@ -163,7 +165,8 @@ function AsJson({ request, change }: { request: JobRequest; change: (request: Jo
 }
 
 function Writing({ title, start, known }: { title: string; start: JobRequest; known: Catalogue }) {
-  const { route } = useLocation();
+  const { route, query } = useLocation();
+  const shown = shownBy(query);
   const search = useMemo(() => window.location.search, []);
   const [request, setRequest] = useState<JobRequest>(() => keptDraft(search) ?? start);
   const [refused, setRefused] = useState<Problem | null>(null);
@@ -189,7 +192,7 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
     try {
       const job = await sendJson<Job>("POST", "/v1/jobs", request, key.current.key);
       keepDraft(search, null);
-      route(`/jobs/${job.id}`);
+      route(withQuery(`/jobs/${job.id}`, shownBy(query) ?? {}));
     } catch (failure) {
       setSending(false);
       if (failure instanceof Problem && failure.status === 422) setRefused(failure);
@@ -230,6 +233,11 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
           <button class="primary render-submit" disabled={sending}>
             {sending ? "Sending …" : "Render"}
           </button>
+          {shown && (
+            <p class="hint" data-testid="shown-by">
+              Its picture will be shown at {signed(Number(shown.exposure))} stops{shown.curve ? `, ${shown.curve}` : ""}, as the view was.
+            </p>
+          )}
           <p class="hint">Ctrl+Enter. What you changed is kept in this tab until it is rendered.</p>
           <AsJson request={request} change={change} />
         </aside>

@@ -12,6 +12,7 @@ import { say } from "../ui/toasts";
 import { Cameras } from "./cameras";
 import { DeleteScene } from "./delete_scene";
 import { SceneFacts } from "./facts";
+import { boundedAspect, kFirstPixels, sizeOfAspect } from "../ui/aspect";
 import { framed, type Orbit, orbitOf, radiusOf } from "./orbit";
 import { scenePath } from "./scene_path";
 import { type Drag, kAspect, kDrags, Stage } from "./stage";
@@ -30,6 +31,12 @@ function orbitFrom(scene: Scene, view: View): Orbit {
   const camera = scene.cameras.find(({ name }) => name === view.camera);
   return orbitOf(camera?.look_at ?? scene.default_view);
 }
+
+/** The shape of the image that the view's camera asks for. */
+const aspectOf = (scene: Scene, view: View): number => {
+  const camera = "camera" in view ? scene.cameras.find(({ name }) => name === view.camera) : scene.cameras[0];
+  return boundedAspect(camera?.aspect ?? kAspect);
+};
 
 type Members = ReturnType<typeof membersOf>;
 const textOf = (members: Partial<Members>): string => [members.camera, members.eye, members.target, members.yfov].map((text) => text ?? "").join(" ");
@@ -75,6 +82,10 @@ function Room({ scene }: { scene: Scene }) {
   const orbit = orbitFrom(scene, view);
   const known = !("camera" in view) || scene.cameras.some(({ name }) => name === view.camera);
   const members = membersOf(view);
+  const [exposure, setExposure] = useState<number | null>(null);
+  const aspect = aspectOf(scene, view);
+  // What is rendered from here has the shape of this picture, and is shown by its exposure.
+  const render = { scene: scene.id, ...members, ...sizeOfAspect(aspect, kFirstPixels), ...(exposure === null ? {} : { exposure, curve: "filmic" }) };
   const copy = async () => {
     const camera = jobCameraOf(view);
     await navigator.clipboard.writeText(JSON.stringify(camera, null, 2));
@@ -92,7 +103,7 @@ function Room({ scene }: { scene: Scene }) {
             ))}
           </div>
           <div class="row">
-            {scene.bounds && <button onClick={() => show({ orbit: framed(orbit, scene.bounds!, kAspect) })}>Show all</button>}
+            {scene.bounds && <button onClick={() => show({ orbit: framed(orbit, scene.bounds!, aspect) })}>Show all</button>}
             <button onClick={() => show(homeOf(scene))}>Reset</button>
             <button onClick={() => void copy()} title="As JSON, for a job's camera">
               Copy camera
@@ -100,14 +111,14 @@ function Room({ scene }: { scene: Scene }) {
           </div>
         </div>
         {known ? (
-          <Stage scene={scene.id} view={view} orbit={orbit} radius={radiusOf(scene.bounds)} drag={drag} onMove={move} onHome={() => show(homeOf(scene))} />
+          <Stage scene={scene.id} view={view} orbit={orbit} radius={radiusOf(scene.bounds)} aspect={aspect} drag={drag} onMove={move} onHome={() => show(homeOf(scene))} onExposure={setExposure} />
         ) : (
           <p class="notice failed">
             The scene has no camera {"camera" in view && `“${view.camera}”`}. <button onClick={() => show(homeOf(scene))}>Show its own view</button>
           </p>
         )}
         <div class="row scene-go">
-          <a class="button primary" href={withQuery("/render", { scene: scene.id, ...members })}>
+          <a class="button primary" href={withQuery("/render", render)} title="By this view, in this shape, and shown by this exposure">
             Render from here
           </a>
           <a class="button" href={withQuery("/studies/new", { scene: scene.id, ...members })}>

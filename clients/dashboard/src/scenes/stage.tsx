@@ -25,6 +25,8 @@ const kQualities: Quality[] = [
   { width: 512, passes: 16 },
 ];
 const kStillMs = 180;
+const kLeastSide = 16;
+/** Of a view whose camera asks for none. */
 export const kAspect = 4 / 3;
 
 interface Wish {
@@ -32,16 +34,35 @@ interface Wish {
   quality: number;
 }
 
+/** A picture that has come, and by how many stops the daemon exposed it. */
+interface Drawn {
+  picture: Blob;
+  exposure: number | null;
+}
+
 interface Shown {
   url: string;
+  exposure: number | null;
   wish: Wish;
   milliseconds: number;
 }
 
-const pathOf = (scene: string, { view, quality }: Wish): string => {
-  const { width, passes } = kQualities[quality]!;
-  return withQuery(`${scenePath(scene)}/preview.png`, { ...membersOf(view), width, height: Math.round(width / kAspect), passes });
+/** The longer side is the quality's. */
+const sizeOf = (quality: Quality, aspect: number) => {
+  const width = Math.round(quality.width * Math.min(1, aspect));
+  return { width, height: Math.max(kLeastSide, Math.round(width / aspect)) };
 };
+
+const pathOf = (scene: string, { view, quality }: Wish, aspect: number): string => {
+  const { passes } = kQualities[quality]!;
+  return withQuery(`${scenePath(scene)}/preview.png`, { ...membersOf(view), ...sizeOf(kQualities[quality]!, aspect), passes });
+};
+
+async function draw(path: string, signal: AbortSignal, waits: () => boolean): Promise<Drawn> {
+  const answer = await askPatiently(path, signal, waits);
+  const said = answer.headers.get("X-Exposure-Stops");
+  return { picture: await answer.blob(), exposure: said === null ? null : Number(said) };
+}
 
 interface Props {
   scene: string;
@@ -49,29 +70,33 @@ interface Props {
   /** The view as an orbit, to move from. */
   orbit: Orbit;
   radius: number;
+  /** Width over height. */
+  aspect: number;
   drag: Drag;
   /** The view one has moved to, while one moves. */
   onMove: (orbit: Orbit) => void;
   onHome: () => void;
+  /** The exposure of the picture that is shown. */
+  onExposure: (stops: number | null) => void;
 }
 
 /** The pictures of the view: a first one soon, better ones while it stands. */
-function usePictures(scene: string, view: View): { shown: Shown | null; failure: Error | null } {
+function usePictures(scene: string, view: View, aspect: number): { shown: Shown | null; failure: Error | null } {
   const [shown, setShown] = useState<Shown | null>(null);
   const [failure, setFailure] = useState<Error | null>(null);
   const latest = useRef(view);
-  const queue = useRef<NewestFirst<Wish, Blob> | null>(null);
+  const queue = useRef<NewestFirst<Wish, Drawn> | null>(null);
   useEffect(() => {
     let url: string | null = null;
     let timer = 0;
-    const pictures: NewestFirst<Wish, Blob> = new NewestFirst<Wish, Blob>(
-      async (wish, signal) => (await askPatiently(pathOf(scene, wish), signal, () => pictures.waits)).blob(),
+    const pictures: NewestFirst<Wish, Drawn> = new NewestFirst<Wish, Drawn>(
+      (wish, signal) => draw(pathOf(scene, wish, aspect), signal, () => pictures.waits),
       ({ wish, answer, failure, milliseconds }) => {
         setFailure(failure ?? null);
         if (!answer) return;
         if (url) URL.revokeObjectURL(url);
-        url = URL.createObjectURL(answer);
-        setShown({ url, wish, milliseconds });
+        url = URL.createObjectURL(answer.picture);
+        setShown({ url, exposure: answer.exposure, wish, milliseconds });
         if (pictures.waits || wish.view !== latest.current || wish.quality + 1 >= kQualities.length) return;
         clearTimeout(timer);
         timer = window.setTimeout(() => {
@@ -86,11 +111,11 @@ function usePictures(scene: string, view: View): { shown: Shown | null; failure:
       if (url) URL.revokeObjectURL(url);
       setShown(null);
     };
-  }, [scene]);
+  }, [scene, aspect]);
   useEffect(() => {
     latest.current = view;
     queue.current?.want({ view, quality: 0 });
-  }, [scene, view]);
+  }, [scene, view, aspect]);
   return { shown, failure };
 }
 
@@ -111,8 +136,10 @@ function byKey(event: KeyboardEvent, orbit: Orbit, drag: Drag, radius: number): 
   }
 }
 
-export function Stage({ scene, view, orbit, radius, drag, onMove, onHome }: Props) {
-  const { shown, failure } = usePictures(scene, view);
+export function Stage({ scene, view, orbit, radius, aspect, drag, onMove, onHome, onExposure }: Props) {
+  const { shown, failure } = usePictures(scene, view, aspect);
+  const exposure = shown?.exposure ?? null;
+  useEffect(() => onExposure(exposure), [exposure]);
   const place = useRef<HTMLDivElement>(null);
   // Handlers that are set once see the newest of these.
   const now = useRef({ orbit, drag, onMove });
@@ -165,6 +192,7 @@ export function Stage({ scene, view, orbit, radius, drag, onMove, onHome }: Prop
     };
   }, [scene, radius]);
   const quality = shown ? kQualities[shown.wish.quality]! : null;
+  const size = quality && sizeOf(quality, aspect);
   return (
     <div class="scene-stage">
       <div
@@ -174,7 +202,7 @@ export function Stage({ scene, view, orbit, radius, drag, onMove, onHome }: Prop
         aria-label="View of the scene"
         aria-describedby="scene-stage-keys"
         tabIndex={0}
-        style={{ aspectRatio: String(kAspect) }}
+        style={{ aspectRatio: String(aspect) }}
         onKeyDown={(event) => {
           if (event.ctrlKey || event.metaKey || event.altKey) return;
           if (event.key === "Home") onHome();
@@ -187,12 +215,13 @@ export function Stage({ scene, view, orbit, radius, drag, onMove, onHome }: Prop
         }}
       >
         {shown && <img src={shown.url} alt="" draggable={false} />}
+        {shown && <span class="scene-preview-mark">Preview, filtered</span>}
         {failure && <p class="notice failed">No picture: {failure.message}</p>}
       </div>
       <p class="small muted scene-stage-line">
         <span id="scene-stage-keys">Drag or arrow keys to move, Shift to pan, wheel or + and − to come nearer, Home to begin again.</span>
         <span data-testid="took">
-          {shown && quality ? `${quality.width} × ${Math.round(quality.width / kAspect)}, ${quality.passes === 1 ? "1 pass" : `${quality.passes} passes`} in ${secondsText(shown.milliseconds / 1000)}` : "Rendering …"}
+          {shown && quality && size ? `${size.width} × ${size.height}, ${quality.passes === 1 ? "1 pass" : `${quality.passes} passes`} in ${secondsText(shown.milliseconds / 1000)}` : "Rendering …"}
         </span>
       </p>
     </div>
