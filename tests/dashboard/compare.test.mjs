@@ -138,7 +138,7 @@ test("the picture is the daemon's preview, by exposure, curve and zoom", async (
   await page.getByLabel("Exposure in stops").fill("1.5");
   await settled(page);
   await equal(`${preview}?exposure=1.5`, kSide);
-  await choice(page, "Curve").selectOption("filmic");
+  await choice(page, "View transform").selectOption("filmic");
   await settled(page);
   await equal(`${preview}?exposure=1.5&curve=filmic`, kSide);
   await choice(page, "Layer").selectOption("indirect");
@@ -282,6 +282,78 @@ test("dropped EXR files are compared; NaN is magenta, infinity striped cyan, and
   await wrong.getByText(/photo\.jpg: .*OpenEXR/).waitFor();
   await wrong.getByRole("alert").filter({ hasText: "broken.exr: " }).waitFor();
   expectNoComplaints(wrong);
+});
+
+test("view transforms, false colours, automatic exposure and the histogram are of known light", async () => {
+  // Grey 0.18, grey 1, an orange highlight, a blue one: what a display is sent for them by the published formulas.
+  const light = [[0.18, 0.18, 0.18], [1, 1, 1], [8, 0.5, 0.0625], [0.5, 0.25, 2]];
+  const shown = {
+    srgb: ["118,118,118", "255,255,255", "255,188,71", "188,137,255"],
+    aces: ["91,91,91", "206,206,206", "255,205,130", "172,121,233"],
+    agx: ["127,127,127", "201,201,201", "255,191,160", "178,156,228"],
+    neutral: ["105,105,105", "240,240,240", "254,193,189", "154,128,250"],
+  };
+  const [width, height, zoom] = [8, 2, 16];
+  const channel = (k) => Float32Array.from({ length: width * height }, (_, i) => light[Math.floor((i % width) / 2)][k]);
+  const page = await openPage(daemon, "/compare");
+  await drop(page, [{ name: "known.exr", content: exrFile(width, height, { R: channel(0), G: channel(1), B: channel(2) }) }]);
+  await page.getByText("known.exr is there").waitFor();
+  await settled(page);
+  await eventually(() => assert.ok(query(page).images));
+  const address = { images: query(page).images, precision: "float", zoom: String(zoom), at: `${width / 2},${height / 2}` };
+  const colours = async () => {
+    const large = await painted(page, width * zoom, height * zoom);
+    return light.map((_, i) => [...large.subarray(4 * (zoom * width * zoom + (2 * i + 1) * zoom)).subarray(0, 3)]);
+  };
+  const near = (found, wanted) => found.every((colour, i) => colour.every((value, k) => Math.abs(value - Number(wanted[i].split(",")[k])) <= 1));
+  await page.goto(daemon.url + addressOf(address));
+  await settled(page);
+  for (const [curve, wanted] of Object.entries(shown)) {
+    await choice(page, "View transform").selectOption(curve);
+    await eventually(async () => {
+      const found = await colours();
+      assert.ok(near(found, wanted), `${curve}: ${found.join(" ")} for ${wanted.join(" ")}`);
+    });
+  }
+  await addressSays(page, "curve", "neutral");
+
+  // False colours: the log of luminance, middle grey in the middle of the map, by any of them.
+  const middles = new Set();
+  for (const map of ["viridis", "magma", "turbo", "grey"]) {
+    await choice(page, "Colours").selectOption(map);
+    await addressSays(page, "colours", map);
+    await settled(page);
+    const [grey, white] = await colours();
+    middles.add(grey.join());
+    if (map === "viridis") assert.ok(near([grey], ["33,145,140"]) || grey[1] > 130, `viridis in its middle: ${grey}`);
+    if (map === "grey") assert.ok(Math.abs(grey[0] - 119) <= 2 && grey[0] === grey[1] && white[0] > grey[0], `${grey} ${white}`);
+  }
+  assert.equal(middles.size, 4);
+  await choice(page, "Colours").selectOption("usual");
+
+  // The log-average of all pixels' luminance becomes middle grey.
+  const logs = light.map(([r, g, b]) => Math.log2(0.2126 * r + 0.7152 * g + 0.0722 * b));
+  const stops = Math.log2(0.18) - logs.reduce((sum, log) => sum + log, 0) / logs.length;
+  await page.getByRole("button", { name: "Auto exposure" }).click();
+  await eventually(async () => assert.ok(Math.abs(Number(await page.getByLabel("Exposure in stops").inputValue()) - stops) < 0.011));
+  await page.getByRole("button", { name: "Exposure back to 0" }).click();
+  await choice(page, "View transform").selectOption("srgb");
+  // Of four colours one is above the luminance that is shown white.
+  await page.getByRole("img", { name: "Histogram: 25 % above white, 0 % black" }).waitFor();
+  await shoot(page, "compare-known");
+  await axeClean(page);
+});
+
+test("images of other bounces are said to be of other light", async () => {
+  const short = await daemon.run(smallJob({ method: { name: "path_tracing", parameters: { indirect_bounces: 1 } } }));
+  const page = await openPage(daemon, addressOf({ images: `job:${noisy.id},job:${short.id}` }));
+  await settled(page);
+  await page.getByText("bounces of indirect light: all in image 1; 1 in image 2").waitFor();
+  await page.goto(daemon.url + addressOf({ images: `job:${noisy.id},job:${photons.id}` }));
+  await settled(page);
+  await eventually(async () => assert.equal(await page.locator(".compare-images > li a").count(), 2));
+  assert.equal(await page.getByText("bounces of indirect light").count(), 0);
+  expectNoComplaints(page);
 });
 
 test("keys flip, wipe, zoom, move and read; a link brings the very same picture back", async () => {
@@ -429,7 +501,7 @@ test("images of other sizes and layers, faulty links and missing jobs say what i
   await page.getByText("The images are of different sizes.").waitFor();
   await page.getByText("no error map: the reference has 48 × 48 pixels, this image 64 × 32").waitFor();
   await page.locator(".compare-note", { hasText: "J4000" }).waitFor();
-  await eventually(async () => assert.deepEqual(await page.locator(".notice[role=alert] li").allInnerTexts(), ["show=7: there are images 1 to 3", "curve=sepia: must be one of srgb, filmic, linear"]));
+  await eventually(async () => assert.deepEqual(await page.locator(".notice[role=alert] li").allInnerTexts(), ["show=7: there are images 1 to 3", "curve=sepia: must be one of srgb, filmic, aces, agx, neutral, linear"]));
   await axeClean(page);
   await page.getByRole("button", { name: /^Take J4000/ }).click();
   await choice(page, "Layer").selectOption({ label: "normal (1 of 2)" });

@@ -24,6 +24,23 @@ describe("colour maps", () => {
     }
     expect(Math.max(...colourAt(map, 0.5))).toBeLessThan(10);
   });
+  it("come near the tables of those that others know", () => {
+    // matplotlib's entries 0, 128 and 255, and turbo's.
+    const tables = {
+      viridis: [[68, 1, 84], [33, 145, 140], [253, 231, 37]],
+      magma: [[0, 0, 4], [183, 55, 121], [252, 253, 191]],
+      inferno: [[0, 0, 4], [188, 55, 84], [252, 255, 164]],
+      plasma: [[13, 8, 135], [204, 71, 120], [240, 249, 33]],
+      turbo: [[48, 18, 59], [164, 252, 60], [122, 4, 3]],
+    } as const;
+    for (const [name, colours] of Object.entries(tables))
+      colours.forEach((colour, k) => {
+        const found = colourAt(colourMap(name as keyof typeof tables), [0, 128 / 255, 1][k]!);
+        const most = name === "turbo" ? 33 : 14; // its polynomial leaves its table at the ends
+        for (const [channel, value] of colour.entries()) expect(Math.abs(found[channel]! - value), `${name} ${k} ${channel}: ${found}`).toBeLessThan(most);
+      });
+    expect([0, 0.5, 1].map((t) => colourAt(colourMap("grey"), t))).toEqual([[0, 0, 0], [119, 119, 119], [255, 255, 255]]);
+  });
   it("mix the heat map's four colours as the daemon does", () => {
     const map = colourMap("heat");
     expect([0, 1 / 3, 2 / 3, 1, 2, 0.5].map((t) => colourAt(map, t))).toEqual([

@@ -89,9 +89,61 @@ export interface ColourMap {
 
 const kChroma = [0, 36, 49, 59, 74, 78, 66, 46, 12];
 
-export type MapName = "magnitude" | "signed" | "heat";
+/**
+ * Maps that others know, as polynomials through their tables, red, green and blue of the display's own signal, from the
+ * constant up: those of matplotlib [van der Walt and Smith 2015] of degree 6, to some 3 of 255 [Zucker 2019], and turbo of
+ * degree 5 [Mikhailov 2019].
+ */
+const kPolynomials = {
+  viridis: [
+    [0.2777273, 0.1050930, -0.3308618, -4.6342305, 6.2282699, 4.7763850, -5.4354559],
+    [0.0054073, 1.4046135, 0.2148476, -5.7991010, 14.1799334, -13.7451454, 4.6458526],
+    [0.3340998, 1.3845902, 0.0950952, -19.3324410, 56.6905526, -65.3530326, 26.3124352],
+  ],
+  magma: [
+    [-0.0021365, 0.2516605, 8.3537173, -27.6687331, 52.1761398, -50.7685254, 18.6557051],
+    [-0.0007497, 0.6775232, -3.5777195, 14.2647308, -27.9436061, 29.0465828, -11.4897735],
+    [-0.0053861, 2.4940266, 0.3144680, -13.6492132, 12.9441694, 4.2341530, -5.6019615],
+  ],
+  inferno: [
+    [0.0002189, 0.1065134, 11.6024931, -41.7039961, 77.1629357, -71.3194282, 25.1311262],
+    [0.0016510, 0.5639564, -3.9728540, 17.4363989, -33.4023589, 32.6260643, -12.2426690],
+    [-0.0194809, 3.9327124, -15.9423941, 44.3541452, -81.8073093, 73.2095199, -23.0703250],
+  ],
+  plasma: [
+    [0.0587323, 2.1765146, -2.6894605, 6.1303483, -11.1074362, 10.0230656, -3.6587138],
+    [0.0233367, 0.2383834, -7.4558511, 42.3461881, -82.6663111, 71.4136177, -22.9315347],
+    [0.5433402, 0.7539605, 3.1107999, -28.5188547, 60.1398477, -54.0721866, 18.1919078],
+  ],
+  turbo: [
+    [0.1357214, 4.6153926, -42.6603226, 132.1310823, -152.9423940, 59.2863794],
+    [0.0914026, 2.1941884, 4.8429666, -14.1850333, 4.2772986, 2.8295660],
+    [0.1066733, 12.6419461, -60.5820484, 110.3627677, -89.9031091, 27.3482497],
+  ],
+} satisfies Record<string, number[][]>;
+
+function polynomialMap(channels: number[][]): ColourMap {
+  const rgba = new Uint8Array(4 * 256);
+  for (let i = 0; i < 256; ++i) {
+    channels.forEach((factors, k) => {
+      const value = factors.reduceRight((sum, factor) => (sum * i) / 255 + factor, 0);
+      rgba[4 * i + k] = Math.round(255 * Math.min(1, Math.max(0, value)));
+    });
+    rgba[4 * i + 3] = 255;
+  }
+  return { rgba, mixed: false };
+}
+
+export type MapName = "magnitude" | "signed" | "heat" | keyof typeof kPolynomials | "grey";
 
 const makers: Record<MapName, () => ColourMap> = {
+  viridis: () => polynomialMap(kPolynomials.viridis),
+  magma: () => polynomialMap(kPolynomials.magma),
+  inferno: () => polynomialMap(kPolynomials.inferno),
+  plasma: () => polynomialMap(kPolynomials.plasma),
+  turbo: () => polynomialMap(kPolynomials.turbo),
+  // Of even steps in lightness too: a display's signal is nearly that.
+  grey: () => ({ rgba: mapOf(256, (t) => ({ lightness: 100 * t, chroma: 0, hue: 0 })), mixed: false }),
   // Dark to bright over purple, red, orange and yellow; entry for entry the daemon's.
   magnitude: () => ({
     rgba: mapOf(256, (t) => ({ lightness: 2 + 96 * t, chroma: curveThrough(kChroma, t), hue: 285 + 178 * t ** 0.8 })),

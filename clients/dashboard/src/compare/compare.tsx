@@ -14,6 +14,7 @@ import { CropStrip } from "./crop_strip";
 import { Desk } from "./desk";
 import { ErrorsTable } from "./errors_table";
 import { saveCrops, saveView } from "./export";
+import { HistogramPanel } from "./histogram_panel";
 import { ImageList } from "./image_list";
 import { compareKeys } from "./keys";
 import { kMaxImages, lookOf, queryOf, withImages } from "./look";
@@ -156,6 +157,7 @@ export function Compare() {
             <div class="compare-side">
               <ImageList desk={desk} onAdd={() => setPicking(true)} />
               <Readout desk={desk} />
+              <HistogramPanel desk={desk} />
             </div>
           </div>
           <CropStrip desk={desk} onSave={() => saveCrops(desk).catch(sayFailure)} />

@@ -253,6 +253,7 @@ export class Desk {
     layer: this.part("layer").value,
     exposure: this.part("exposure").value,
     curve: this.part("curve").value,
+    colours: this.part("colours").value,
     channel: this.part("channel").value,
     error: this.part("error").value,
     span: this.part("span").value,

@@ -1,6 +1,7 @@
 // The images by their numbers: which is shown, which is the reference, and what each is.
 
 import type { Desk } from "./desk";
+import { lightDifferences } from "./light_differences";
 import { kMaxImages, withImages, withoutImage } from "./look";
 import { unknownSource } from "./sources";
 
@@ -9,6 +10,7 @@ export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
   const two = images.length > 1 && ["wipe", "side"].includes(desk.part("mode").value);
   const shown = desk.part("shown").value;
   const reference = desk.reference.value;
+  const differences = lightDifferences(images.map((name) => desk.sources.value.get(name)?.job ?? null));
   return (
     <section class="panel" aria-labelledby="compare-images">
       <h2 id="compare-images">Images</h2>
@@ -54,6 +56,16 @@ export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
           );
         })}
       </ol>
+      {differences.length > 0 && (
+        <div class="notice small" role="note">
+          The images are not of the same light, so that they differ however long they are rendered:
+          <ul>
+            {differences.map((difference) => (
+              <li key={difference}>{difference}</li>
+            ))}
+          </ul>
+        </div>
+      )}
       {desk.sizesDiffer.value && <p class="notice small">The images are of different sizes. They lie with their upper left corners together; there are error maps only of those with the reference's size.</p>}
       <div class="row">
         <button onClick={onAdd}>Add images …</button>

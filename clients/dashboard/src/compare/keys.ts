@@ -2,9 +2,10 @@
 
 import { isMeasured } from "../api/vocabulary";
 import type { Key } from "../app/keyboard";
+import { autoExposureStops } from "./auto_exposure";
 import { addCrop } from "./crop_strip";
 import type { Desk } from "./desk";
-import { kChannels, kCurves, kErrors, kMaxImages, type Look } from "./look";
+import { kChannels, kCurves, kErrors, kFalseColours, kMaxImages, type Look } from "./look";
 import { toggleCursor } from "./readout";
 import { kExposureStep, zoomBy, zoomTo } from "./toolbar";
 import { clamp, panned, showing } from "./view";
@@ -29,8 +30,13 @@ export function compareKeys(desk: Desk): Key[] {
     if (index !== look().shown) before = look().shown;
     show(index);
   };
-  const cycle = <Name extends "channel" | "curve">(name: Name, values: readonly Look[Name][], by: number) =>
+  const cycle = <Name extends "channel" | "curve" | "colours">(name: Name, values: readonly Look[Name][], by: number) =>
     desk.change({ [name]: after(values, look()[name], by) } as unknown as Partial<Look>);
+  const autoExpose = () => {
+    const image = desk.pixels(look().shown);
+    const stops = image && autoExposureStops(image);
+    if (stops !== null) desk.change({ exposure: stops });
+  };
   const errors = () => kErrors.filter((kind) => !kind.startsWith("flip") || isMeasured(look().layer));
   const layers = () => desk.layers.peek().map((layer) => layer.name);
 
@@ -75,7 +81,9 @@ export function compareKeys(desk: Desk): Key[] {
     { key: "f", text: "fit the image into its pane", run: () => desk.fit() },
     { key: "x", text: "exposure half a stop up, down", run: () => desk.change({ exposure: clamp(look().exposure + kExposureStep, -30, 30) }) },
     { key: "X", text: "exposure half a stop up, down", run: () => desk.change({ exposure: clamp(look().exposure - kExposureStep, -30, 30) }) },
-    { key: "t", text: "next tone curve", run: () => cycle("curve", kCurves, 1) },
+    { key: "A", text: "exposure by the image shown", run: () => autoExpose() },
+    { key: "m", text: "next false colours", run: () => cycle("colours", kFalseColours, 1) },
+    { key: "t", text: "next view transform", run: () => cycle("curve", kCurves, 1) },
     { key: "c", text: "next channel", run: () => cycle("channel", kChannels, 1) },
     { key: "l", text: "next, previous layer", run: () => desk.change({ layer: after(layers(), look().layer, 1) }) },
     { key: "L", text: "next, previous layer", run: () => desk.change({ layer: after(layers(), look().layer, -1) }) },

@@ -22,6 +22,7 @@ describe("the address of a view", () => {
       centre: { x: 100.25, y: 31 },
       exposure: -1.5,
       curve: "filmic",
+      colours: "magma",
       channel: "luminance",
       error: "signed",
       span: 0.05,

@@ -6,11 +6,14 @@ import type { Crop } from "./crops";
 import { cropsOfText, cropsText } from "./crops";
 
 export const kModes = ["single", "wipe", "side", "grid"] as const;
-export const kCurves = ["srgb", "filmic", "linear"] as const;
+export const kCurves = ["srgb", "filmic", "aces", "agx", "neutral", "linear"] as const;
+/** Of values and of light in false colours; "usual": light as light, values by the daemon's own map. */
+export const kFalseColours = ["usual", "viridis", "magma", "inferno", "plasma", "turbo", "grey"] as const;
 export const kChannels = ["rgb", "r", "g", "b", "luminance"] as const;
 export const kErrors = ["none", "signed", "relative", "flip_hdr", "flip_ldr"] as const;
 export type Mode = (typeof kModes)[number];
 export type Curve = (typeof kCurves)[number];
+export type FalseColours = (typeof kFalseColours)[number];
 export type Channel = (typeof kChannels)[number];
 export type ErrorKind = (typeof kErrors)[number];
 
@@ -34,6 +37,7 @@ export interface Look {
   /** Stops. */
   exposure: number;
   curve: Curve;
+  colours: FalseColours;
   channel: Channel;
   error: ErrorKind;
   /** The signed error at the ends of its scale; null: from the reference's mean. */
@@ -61,6 +65,7 @@ export const kStart: Look = {
   centre: null,
   exposure: 0,
   curve: "srgb",
+  colours: "usual",
   channel: "rgb",
   error: "none",
   span: null,
@@ -103,6 +108,7 @@ export function queryOf(look: Look): Record<string, string | null> {
     at: point(look.centre),
     exposure: unlessStart("exposure", short),
     curve: unlessStart("curve", String),
+    colours: unlessStart("colours", String),
     channel: unlessStart("channel", String),
     error: unlessStart("error", String),
     span: unlessStart("span", short),
@@ -170,6 +176,7 @@ export function lookOf(query: Record<string, string | undefined>): { look: Look;
   look.centre = point("at");
   look.exposure = number("exposure", -30, 30) ?? 0;
   look.curve = word("curve", kCurves, kStart.curve);
+  look.colours = word("colours", kFalseColours, kStart.colours);
   look.channel = word("channel", kChannels, kStart.channel);
   look.error = word("error", kErrors, kStart.error);
   look.span = number("span", 1e-12);

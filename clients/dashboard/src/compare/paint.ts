@@ -5,6 +5,7 @@ import { layerNamed } from "../api/vocabulary";
 import { numberText } from "../ui/format";
 import { srgbEncode, type MapName } from "./colour_maps";
 import type { Channel, Curve, ErrorKind, Look } from "./look";
+import { acesFitted, agx, pbrNeutral, type Triple } from "./view_transforms";
 
 export type LayerKind = "light" | "directions" | "positions" | "splats" | "value";
 
@@ -39,6 +40,10 @@ export interface Paint {
 export const kRelativeLow = 1e-3;
 export const kRelativeHigh = 10;
 const kMostSplats = 600;
+/** What exposure is about: the daemon's (renderer/film/tone_curve.h). */
+export const kMiddleGrey = 0.18;
+/** Ends of the scale of light in false colours, from middle grey. */
+const kFalseStops = [-6, 6];
 
 /** 1, 2 or 5 times a power of ten, the nearest. */
 export function roundScale(value: number): number {
@@ -87,7 +92,7 @@ export function paintOf(look: Look, ground: Ground, error: ErrorKind): Paint {
     quantity: "pixel",
     channel: ground.channels === 1 ? "r" : look.channel,
     colours: "tone",
-    map: "magnitude",
+    map: look.colours === "usual" ? "magnitude" : look.colours,
     curve: look.curve,
     scale: 2 ** look.exposure,
     low,
@@ -100,7 +105,11 @@ export function paintOf(look: Look, ground: Ground, error: ErrorKind): Paint {
   }
   if (error === "relative") return { ...paint, quantity: "relative", colours: "log", low: kRelativeLow, high: kRelativeHigh };
   if (error !== "none") return { ...paint, channel: "r", colours: "map", low: 0, high: 1 };
-  if (kind === "light") return paint;
+  if (kind === "light" && look.colours === "usual") return paint;
+  if (kind === "light") {
+    const [from, to] = kFalseStops.map((stops) => (kMiddleGrey * 2 ** stops) / paint.scale) as [number, number];
+    return { ...paint, channel: oneChannel(paint.channel, kind), colours: "log", low: from, high: to };
+  }
   if (kind === "splats") return { ...paint, colours: "map", map: "heat" };
   if (ground.channels === 3 && (look.channel === "rgb" || look.channel === "luminance")) return { ...paint, channel: "rgb", colours: "straight" };
   return { ...paint, colours: "map" };
@@ -114,11 +123,39 @@ export function filmic(light: number): number {
 /** The light that the filmic curve makes white. */
 export const kFilmicWhite = (0.56 + Math.sqrt(0.56 ** 2 + 4 * 0.08 * 0.14)) / (2 * 0.08) / 0.6;
 
-/** What a display is sent for light, 0 to 1. */
-export function toned(light: number, curve: Curve): number {
-  if (!(light > 0)) return 0;
-  if (curve === "linear") return Math.min(1, light);
-  return srgbEncode(Math.min(1, curve === "filmic" ? filmic(light) : light));
+const kTransforms: Partial<Record<Curve, (light: Triple) => Triple>> = { aces: acesFitted, agx, neutral: pbrNeutral };
+/** Those that give what the display is sent; the others give linear light. */
+const kEncoded: Curve[] = ["linear", "agx"];
+
+/** What a display is sent for light, 0 to 1 a channel. */
+export function displayed(light: Triple, curve: Curve): Triple {
+  const lit = light.map((x) => Math.min(1e6, x > 0 ? x : 0)) as Triple;
+  const shown = kTransforms[curve]?.(lit) ?? (curve === "filmic" ? (lit.map(filmic) as Triple) : lit);
+  return shown.map((x) => {
+    const bounded = Math.min(1, Math.max(0, x));
+    return kEncoded.includes(curve) ? bounded : srgbEncode(bounded);
+  }) as Triple;
+}
+
+/** The same for grey light. */
+export const toned = (light: number, curve: Curve): number => displayed([light, light, light], curve)[1];
+
+const whites = new Map<Curve, number>();
+/** The least grey light that is shown white, to what 8 bits tell. */
+export function whiteLight(curve: Curve): number {
+  if (curve === "srgb" || curve === "linear") return 1;
+  if (curve === "filmic") return kFilmicWhite;
+  let white = whites.get(curve);
+  if (white === undefined) {
+    let [dark, bright] = [-10, 16]; // stops
+    for (let step = 0; step < 40; ++step) {
+      const middle = (dark + bright) / 2;
+      if (Math.round(255 * toned(2 ** middle, curve)) === 255) bright = middle;
+      else dark = middle;
+    }
+    whites.set(curve, (white = 2 ** bright));
+  }
+  return white;
 }
 
 export const luminanceOf = (pixel: number[]): number =>
@@ -157,6 +194,8 @@ export interface Tick {
 export function ticksOf(paint: Paint): Tick[] {
   if (paint.colours === "log") {
     const decades = Math.round(Math.log10(paint.high / paint.low));
+    if (paint.quantity === "pixel")
+      return [0, 0.25, 0.5, 0.75, 1].map((place) => ({ place, text: numberText(paint.low * (paint.high / paint.low) ** place) }));
     return Array.from({ length: decades + 1 }, (_, i) => ({ place: i / decades, text: numberText(Number((paint.low * 10 ** i).toPrecision(6))) }));
   }
   const [low, high] = paint.colours === "tone" ? [0, whiteOf(paint)] : [paint.low, paint.high];
@@ -167,7 +206,7 @@ export function ticksOf(paint: Paint): Tick[] {
 }
 
 /** The light that is shown white. */
-export const whiteOf = (paint: Paint): number => (paint.curve === "filmic" ? kFilmicWhite : 1) / paint.scale;
+export const whiteOf = (paint: Paint): number => whiteLight(paint.curve) / paint.scale;
 
 /** What the numbers are of. */
 export function scaleTitle(paint: Paint, error: ErrorKind, layer: string, channels: number): string {

@@ -1,15 +1,21 @@
 // Display colours of values: a pixel of the result is one of the image or, below a zoom of 1, the mean over the area of
 // a device pixel.
 
+import { kAcesIn, kAcesOut, kAgxContrast, kAgxHigh, kAgxIn, kAgxLow, kAgxOut, kNeutralDesaturation, kNeutralF90, kNeutralStart } from "./view_transforms";
+
 export const kWholeCanvas = `#version 300 es
 void main() {
   gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
 }`;
 
+const number = (x: number): string => (Number.isInteger(x) ? `${x}.0` : String(x));
+/** By columns, as the shader has them. */
+const matrix = (m: readonly (readonly number[])[]): string => `mat3(${[0, 1, 2].flatMap((column) => m.map((row) => number(row[column]!))).join(", ")})`;
+
 /** Numbers of Paint's words in the shader. */
 export const kQuantity = { pixel: 0, signed: 1, relative: 2 } as const;
 export const kColours = { tone: 0, straight: 1, map: 2, log: 3 } as const;
-export const kCurve = { srgb: 0, filmic: 1, linear: 2 } as const;
+export const kCurve = { srgb: 0, filmic: 1, linear: 2, aces: 3, agx: 4, neutral: 5 } as const;
 export const kChannel = { rgb: 0, r: 1, g: 2, b: 3, luminance: 4 } as const;
 
 // NaN is magenta, infinity cyan, negative infinity dark cyan. Whether a value is finite is read from its bits, for
@@ -89,14 +95,38 @@ vec3 mapped(float place) {
   return mix(texelFetch(uMap, ivec2(below, 0), 0).rgb, texelFetch(uMap, ivec2(below + 1, 0), 0).rgb, t - float(below));
 }
 
+// Those of view_transforms.ts.
+vec3 acesFitted(vec3 light) {
+  vec3 v = ${matrix(kAcesIn)} * light;
+  return ${matrix(kAcesOut)} * ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.432951) + 0.238081));
+}
+vec3 agx(vec3 light) {
+  vec3 place = (clamp(log2(max(${matrix(kAgxIn)} * light, 1e-10)), ${kAgxLow}, ${kAgxHigh}) - ${number(kAgxLow)}) / ${number(kAgxHigh - kAgxLow)};
+  vec3 sum = vec3(0.0);
+  ${[...kAgxContrast].reverse().map((factor) => `sum = sum * place + ${number(factor)};`).join("\n  ")}
+  return ${matrix(kAgxOut)} * sum;
+}
+vec3 pbrNeutral(vec3 light) {
+  float least = min(light.r, min(light.g, light.b));
+  vec3 color = light - (least < ${2 * kNeutralF90} ? least - least * least / ${4 * kNeutralF90} : ${kNeutralF90});
+  float peak = max(color.r, max(color.g, color.b));
+  if (peak < ${kNeutralStart}) return color;
+  const float room = 1.0 - ${kNeutralStart};
+  float newPeak = 1.0 - room * room / (peak + room - ${kNeutralStart});
+  return mix(color * newPeak / peak, vec3(newPeak), 1.0 - 1.0 / (${kNeutralDesaturation} * (peak - newPeak) + 1.0));
+}
+
 vec3 toned(vec3 light) {
-  vec3 x = max(light * uScale, 0.0);
+  vec3 x = clamp(light * uScale, 0.0, 1e6);
   if (uCurve == 1) {
     x = min(x * 0.6, 1e4);
     x = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
   }
-  x = min(x, 1.0);
-  if (uCurve == 2) return x;
+  else if (uCurve == 3) x = acesFitted(x);
+  else if (uCurve == 4) x = agx(x);
+  else if (uCurve == 5) x = pbrNeutral(x);
+  x = clamp(x, 0.0, 1.0);
+  if (uCurve == 2 || uCurve == 4) return x;
   return mix(1.055 * pow(max(x, 0.0031308), vec3(1.0 / 2.4)) - 0.055, 12.92 * x, vec3(lessThanEqual(x, vec3(0.0031308))));
 }
 

@@ -5,14 +5,16 @@ import { useEffect, useState } from "preact/hooks";
 
 import { isMeasured } from "../api/vocabulary";
 import { numberText, percentText } from "../ui/format";
+import { autoExposureStops } from "./auto_exposure";
 import type { Desk } from "./desk";
-import { kChannels, kCurves, kErrors, kModes, type Channel, type Curve, type ErrorKind, type Look, type Mode } from "./look";
+import { kChannels, kCurves, kErrors, kFalseColours, kModes, type Channel, type Curve, type ErrorKind, type FalseColours, type Look, type Mode } from "./look";
 import { channelNames, isLight, layerKind, rangeOf, spanOf } from "./paint";
 import { clamp, nextZoom, zoomedAt } from "./view";
 
 export const kModeNames: Record<Mode, string> = { single: "One", wipe: "Wipe", side: "Side by side", grid: "All" };
 const kErrorNames: Record<ErrorKind, string> = { none: "None", signed: "Signed", relative: "Relative", flip_hdr: "FLIP (HDR)", flip_ldr: "FLIP (LDR)" };
-const kCurveNames: Record<Curve, string> = { srgb: "sRGB", filmic: "Filmic", linear: "Linear" };
+const kCurveNames: Record<Curve, string> = { srgb: "sRGB, clipped", filmic: "Filmic", aces: "ACES fitted", agx: "AgX", neutral: "PBR Neutral", linear: "Linear" };
+const kColourNames: Record<FalseColours, string> = { usual: "Usual", viridis: "Viridis", magma: "Magma", inferno: "Inferno", plasma: "Plasma", turbo: "Turbo", grey: "Grey" };
 export const kExposureStep = 0.5;
 const kExposureReach = 10;
 
@@ -107,6 +109,8 @@ function Layers({ desk }: { desk: Desk }) {
 function Exposure({ desk }: { desk: Desk }) {
   const exposure = desk.part("exposure").value;
   const to = (value: number) => desk.change({ exposure: clamp(value, -30, 30) });
+  const image = desk.pixels(desk.part("shown").value);
+  const auto = image && autoExposureStops(image);
   return (
     <div class="compare-field compare-exposure">
       <label>
@@ -117,6 +121,9 @@ function Exposure({ desk }: { desk: Desk }) {
         <NumberBox label="Exposure in stops" value={exposure} step={0.5} min={-30} max={30} onValue={to} />
         <span>stops</span>
       </span>
+      <button aria-label="Auto exposure" disabled={auto === null} onClick={() => auto !== null && to(auto)} title="So that the log-average luminance of the image shown is middle grey (A)">
+        Auto
+      </button>
       <button class="quiet" disabled={exposure === 0} onClick={() => to(0)} aria-label="Exposure back to 0" title="Back to 0">
         ↺
       </button>
@@ -205,10 +212,11 @@ export function Toolbar({ desk }: { desk: Desk }) {
         {light && (
           <>
             <Exposure desk={desk} />
-            <Choice desk={desk} name="curve" label="Curve" options={kCurves.map((curve) => [curve, kCurveNames[curve]])} />
+            <Choice desk={desk} name="curve" label="View transform" options={kCurves.map((curve) => [curve, kCurveNames[curve]])} />
           </>
         )}
         {!light && error === "none" && <Scale desk={desk} error={false} />}
+        {error !== "signed" && <Choice desk={desk} name="colours" label="Colours" options={kFalseColours.map((colours) => [colours, kColourNames[colours]])} />}
         <Choice desk={desk} name="precision" label="Precision" options={[["half", "Half"], ["float", "Full"]]} />
       </Group>
     </div>
