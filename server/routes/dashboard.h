@@ -21,7 +21,7 @@ std::span<const DashboardFile> dashboard_files();
 /// (clients/dashboard/src/app/app.tsx).
 inline constexpr const char* kDashboardPages[] = {
     "/",          "/jobs",           "/jobs/{id}", "/render",         "/compare", "/studies", "/studies/{id}",
-    "/sequences", "/sequences/{id}", "/scenes",    "/scenes/{scene}",
+    "/sequences", "/sequences/{id}", "/scenes",    "/scenes/{scene}", "/api",
 };
 
 }  // namespace photond::http

@@ -17,6 +17,7 @@ const HardCases = lazy(() => import("../studies/hard_cases").then((room) => room
 const Sequences = lazy(() => import("../sequences/sequences").then((room) => room.Sequences));
 const SequencePage = lazy(() => import("../sequences/sequence").then((room) => room.SequencePage));
 const Scenes = lazy(() => import("../scenes/scenes").then((room) => room.Scenes));
+const ApiReference = lazy(() => import("../api_reference/reference").then((room) => room.ApiReference));
 const ScenePage = lazy(() => import("../scenes/scene").then((room) => room.ScenePage));
 
 export function App() {
@@ -38,6 +39,7 @@ export function App() {
             <Route path="/sequences/:id" component={SequencePage} />
             <Route path="/scenes" component={Scenes} />
             <Route path="/scenes/:scene" component={ScenePage} />
+            <Route path="/api" component={ApiReference} />
             <Route default component={NotFound} />
           </Router>
         </ErrorBoundary>

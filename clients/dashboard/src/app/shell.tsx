@@ -103,9 +103,7 @@ export function Shell({ children }: { children: ComponentChildren }) {
       <main id="room">{children}</main>
       <footer class="about">
         photond {daemonStatus.value?.version} · everything here is there{" "}
-        <a href="/v1/openapi.json" target="_blank">
-          by HTTP too
-        </a>
+<a href="/api">by HTTP too</a>
       </footer>
       <Toasts />
       <Keyboard />
