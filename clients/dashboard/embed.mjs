@@ -12,6 +12,7 @@ const mediaTypes = {
   ".js": "text/javascript; charset=utf-8",
   ".css": "text/css; charset=utf-8",
   ".svg": "image/svg+xml",
+  ".jpg": "image/jpeg",
 };
 
 const files = readdirSync(folder, { recursive: true, withFileTypes: true })

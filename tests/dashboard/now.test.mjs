@@ -30,7 +30,9 @@ test("who has rendered nothing yet is told what this is and where to begin", asy
     (await steps.all()).length && (await Promise.all((await steps.all()).map((step) => step.getAttribute("href")))),
     ["/studies/new?scene=cornell-box&preset=paths-photons", "/render?scene=cornell-box-glass", "/scenes"],
   );
-  await page.locator(".now-steps img").nth(1).waitFor();
+  // Its pictures come with the page, and nothing is drawn for them.
+  await page.waitForFunction(() => [...document.querySelectorAll(".now-steps img")].filter((image) => image.complete && image.naturalWidth === 480 && new URL(image.src).pathname.startsWith("/assets/")).length === 2);
+  assert.equal(await page.evaluate(() => performance.getEntriesByType("resource").filter(({ name }) => name.includes("thumbnail")).length), 0);
   await page.getByText("reads scenes, makes pictures, measures errors").waitFor();
   await shoot(page, "now-empty", { fullPage: true });
   await axeClean(page);

@@ -11,7 +11,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from photond_daemon import BIN, Daemon, DaemonTestCase  # noqa: E402
 
-PAGES = ("/", "/jobs", "/jobs/J17", "/render", "/compare", "/studies", "/studies/new", "/scenes", "/scenes/cornell-box",
+PAGES = ("/", "/jobs", "/jobs/J17", "/render", "/compare", "/studies", "/studies/new", "/scenes", "/scenes/cornell-box", "/api",
          "/scenes/hard-case%2Fcorner-90")
 
 
@@ -73,6 +73,15 @@ class DashboardPagesTest(DaemonTestCase):
             total += len(self.daemon.request("GET", path, headers={"Accept-Encoding": "gzip"}).body)
         print(f"the dashboard is {total} bytes compressed")
         self.assertLess(total, 250_000)
+
+    def test_the_start_pages_pictures_come_with_it(self):
+        pictures = {name for reply in self.files().values() for name in re.findall(r"assets/([\w.-]+\.jpg)", reply.text)}
+        self.assertEqual(len(pictures), 2, pictures)
+        for name in pictures:
+            reply = self.daemon.request("GET", "/assets/" + name)
+            self.assertEqual((reply.status, reply.headers["content-type"], reply.body[:3]),
+                             (200, "image/jpeg", b"\xff\xd8\xff"))
+            self.assertLess(len(reply.body), 40_000)
 
     def test_pages_need_no_token_and_what_they_ask_for_does(self):
         output = subprocess.run([str(BIN / "photond"), "--new-token", "reader:read"], check=True, capture_output=True,

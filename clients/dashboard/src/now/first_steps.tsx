@@ -1,18 +1,20 @@
-// What to begin with: large for who has rendered nothing yet, a line for everybody else.
+// What to begin with: large for who has rendered nothing yet, a line for everybody else. The pictures come with the page
+// (start_pictures renders them): converged, and there before the daemon has drawn anything.
 
-import { Picture } from "../ui/picture";
+import boxPicture from "./pictures/cornell-box.jpg";
+import glassPicture from "./pictures/cornell-box-glass.jpg";
 
 const kSteps = [
   {
     href: "/studies/new?scene=cornell-box&preset=paths-photons",
-    picture: "cornell-box",
+    picture: boxPicture,
     title: "Compare two methods",
     text: "Render the Cornell box by two methods in the same time, and see which of them is closer to the truth.",
     brief: "Compare two methods",
   },
   {
     href: "/render?scene=cornell-box-glass",
-    picture: "cornell-box-glass",
+    picture: glassPicture,
     title: "Render an image",
     text: "Choose a scene, a method and how long it may take, and watch the picture become.",
     brief: "Render an image",
@@ -47,7 +49,7 @@ export function FirstSteps() {
         {kSteps.map((step) => (
           <li key={step.href}>
             <a class="panel now-step" href={step.href}>
-              {step.picture ? <Picture path={`/v1/scenes/${step.picture}/thumbnail.png`} alt="" ratio={4 / 3} /> : <Dropping />}
+              {step.picture ? <img class="now-picture" src={step.picture} alt="" width={480} height={360} /> : <Dropping />}
               <strong>{step.title}</strong>
               <span>{step.text}</span>
             </a>
