@@ -1,0 +1,89 @@
+// Every page at the width of a desk and of a telephone: nothing is wider than the window, and no column is cut off.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { eventually, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+
+const daemon = await startDaemon();
+const reference = await daemon.run(smallJob({ stop: { passes: 16 }, labels: { study: "a-label-that-is-rather-long-for-a-column" } }));
+const job = await daemon.run(smallJob({ reference: `job:${reference.id}`, stop: { passes: 8 }, layers: ["normal", "depth"] }));
+const study = await daemon.json("POST", "/v1/comparisons", {
+  scene: "cornell-box",
+  image: { width: 32, height: 32 },
+  reference: { method: { name: "path_tracing" }, stop: { passes: 32 } },
+  entries: [
+    { label: "paths", method: { name: "path_tracing" } },
+    { label: "stochastic progressive photon mapping, few photons", method: { name: "stochastic_progressive_photon_mapping", parameters: { photons: 1000 } } },
+  ],
+  stop: { passes: 4 },
+});
+await eventually(async () => assert.ok(!["queued", "running"].includes((await daemon.get(`/v1/comparisons/${study.id}`)).state)));
+
+const kPages = {
+  now: "/",
+  jobs: "/jobs",
+  "jobs-grid": "/jobs?view=grid",
+  job: `/jobs/${job.id}`,
+  render: "/render",
+  compare: `/compare?images=job:${reference.id},job:${job.id}`,
+  "compare-start": "/compare",
+  studies: "/studies",
+  study: `/studies/${study.id}`,
+  "new-study": "/studies/new",
+  "hard-cases": "/studies/hard-cases",
+  sequences: "/sequences",
+  scenes: "/scenes",
+  scene: "/scenes/cornell-box",
+  api: "/api",
+};
+
+/**
+ * Elements that reach beyond the window, and boxes that hide a part of their text, with an ellipsis or without, and neither
+ * scroll to it nor say it in a title. What only screen readers read is no column cut off.
+ */
+const kCut = () => {
+  const said = (element) => `${element.tagName.toLowerCase()}.${[...element.classList].join(".")} “${element.textContent.trim().slice(0, 40)}”`;
+  const found = [];
+  const width = document.documentElement.clientWidth;
+  const inScroller = (element) => {
+    for (let at = element.parentElement; at && at !== document.body; at = at.parentElement) if (["auto", "scroll"].includes(getComputedStyle(at).overflowX)) return true;
+    return false;
+  };
+  for (const element of document.querySelectorAll("body *")) {
+    const style = getComputedStyle(element);
+    const box = element.getBoundingClientRect();
+    if (box.width < 2 || box.height < 2 || style.visibility === "hidden" || element.closest(".visually-hidden, .skip, svg, canvas, option, [aria-hidden=true]")) continue;
+    if (box.right > width + 1 && !inScroller(element)) found.push(`beyond the window by ${Math.round(box.right - width)}: ${said(element)}`);
+    const hides = ["hidden", "clip"].includes(style.overflowX) && !element.matches(".compare-stage, .scene-picture, .compare-pane, input, img, [title]") && !element.querySelector("[title]");
+    if (hides && element.scrollWidth > element.clientWidth + 1) found.push(`cut by ${element.scrollWidth - element.clientWidth}: ${said(element)}`);
+    if (hides && style.webkitLineClamp !== "none" && element.scrollHeight > element.clientHeight + 1) found.push(`cut below: ${said(element)}`);
+    // Places that scroll sideways on a telephone are for tables and code, not for what leads elsewhere.
+    if (element.tagName === "NAV" && element.scrollWidth > element.clientWidth + 1) found.push(`links that are out of sight: ${said(element)}`);
+  }
+  const wide = document.documentElement.scrollWidth - width;
+  return wide > 0 ? [`the page scrolls sideways by ${wide}`, ...found] : found;
+};
+
+for (const [name, path] of Object.entries(kPages))
+  test(`${name} fits a desk and a telephone`, async () => {
+    for (const [place, width, height] of [["desk", 1440, 900], ["telephone", 390, 844]]) {
+      const page = await openPage(daemon, path, { width, height });
+      await page.getByRole("heading", { level: 1 }).or(page.getByRole("heading", { level: 2 })).first().waitFor();
+      await page.waitForLoadState("networkidle");
+      await eventually(async () => assert.deepEqual(await page.evaluate(kCut), [], `${path} at ${width}`));
+      await shoot(page, `width-${name}-${place}`, { fullPage: true });
+      expectNoComplaints(page);
+    }
+  });
+
+test("a table too wide for a telephone is scrolled within itself, by keys too", async () => {
+  const page = await openPage(daemon, `/studies/${study.id}`, { width: 390, height: 844 });
+  await page.locator(".scroll-x table").first().waitFor();
+  const scrollers = page.locator(".scroll-x");
+  for (const scroller of await scrollers.all()) {
+    if (!(await scroller.evaluate((element) => element.scrollWidth > element.clientWidth + 1))) continue;
+    assert.equal(await scroller.evaluate((element) => element.tabIndex), 0, await scroller.innerText());
+  }
+  expectNoComplaints(page);
+});
