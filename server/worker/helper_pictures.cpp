@@ -1,15 +1,13 @@
 #include "server/worker/helper_pictures.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cstring>
 #include <fstream>
 
 #include "protocol/job.h"
 #include "renderer/film/box_downscale.h"
 #include "renderer/film/png_file.h"
 #include "renderer/film/tone_curve.h"
-#include "renderer/gbuffer/edge_avoiding_filter.h"
+#include "renderer/gbuffer/filtered_beauty.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/preview_image.h"
 
@@ -28,34 +26,9 @@ JobRequest picture_request(Size2 size, uint32_t passes, std::optional<double> mo
     request.width = size.width, request.height = size.height;
     request.method.name = "path_tracing";
     request.method.parameters = {{"indirect_bounces", kBounces}};
-    request.layers = {"albedo", "normal", "position", "depth"};  // that the filter goes by
+    request.layers = guide_layers();
     request.stop.passes = passes, request.stop.seconds = most_seconds;
     return request;
-}
-
-template <class Value>
-std::vector<Value> pixels_of(const Film& film, Layer layer) {
-    const std::vector<float> numbers = film.resolve(layer);
-    std::vector<Value> pixels(film.size().pixels());
-    static_assert(sizeof(Value) % sizeof(float) == 0);
-    assert(numbers.size() * sizeof(float) == pixels.size() * sizeof(Value));
-    std::memcpy(pixels.data(), numbers.data(), numbers.size() * sizeof(float));
-    return pixels;
-}
-
-/// The beauty without the noise of so few passes: what surfaces scatter is filtered, what lights send is not.
-std::vector<float> filtered_beauty(const Film& film) {
-    std::vector<Rgb> light = pixels_of<Rgb>(film, Layer::Direct);
-    const std::vector<Rgb> indirect = pixels_of<Rgb>(film, Layer::Indirect);
-    for (size_t i = 0; i < light.size(); ++i) light[i] += indirect[i];
-    const std::vector<Rgb> albedo = pixels_of<Rgb>(film, Layer::Albedo);
-    const std::vector<vec3> normal = pixels_of<vec3>(film, Layer::Normal),
-                            position = pixels_of<vec3>(film, Layer::Position);
-    const std::vector<float> depth = film.resolve(Layer::Depth);
-    filter_avoiding_edges(light, film.size(), {albedo, normal, position, depth});
-    std::vector<float> beauty = film.resolve(Layer::Emitted);
-    for (size_t i = 0; i < beauty.size(); ++i) beauty[i] += light[i / 3][int(i % 3)];
-    return beauty;
 }
 
 struct Drawn {
