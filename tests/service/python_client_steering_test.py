@@ -34,6 +34,7 @@ class Steering(Case):
         with self.assertRaises(photond.Invalid) as raised:
             self.client.estimate_comparison("cornell-box", ["path_trcing"], **options)
         self.assertEqual(raised.exception.faults[0].pointer, "/entries/0/method/name")
+        self.assertEqual(raised.exception.faults[0].code, "unknown_name")
 
 
 if __name__ == "__main__":

@@ -19,10 +19,12 @@ from .shapes import Problem
 
 
 class Fault(NamedTuple):
-    """One thing that is wrong, and where: a JSON pointer into the request or the glTF, empty for the whole."""
+    """One thing that is wrong, and where: a JSON pointer into the request or the glTF, empty for the whole. Of which kind
+    it is says `code`, such as "out_of_range"; it is empty in what older daemons kept."""
 
     pointer: str
     detail: str
+    code: str = ""
 
     def __str__(self) -> str:
         return f"{self.pointer}: {self.detail}" if self.pointer else self.detail
@@ -61,7 +63,7 @@ class WithProblem(PhotondError):
         self.problem = cast(Problem, dict(problem))
         errors = problem.get("errors")
         self.faults: Tuple[Fault, ...] = tuple(
-            Fault(str(error.get("pointer", "")), str(error.get("detail", "")))
+            Fault(str(error.get("pointer", "")), str(error.get("detail", "")), str(error.get("code", "")))
             for error in (errors if isinstance(errors, list) else [])
             if isinstance(error, dict)
         )
