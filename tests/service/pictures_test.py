@@ -116,7 +116,7 @@ class PicturesBesideAJob(DaemonTestCase):
 
 
 class PicturesOfASlowPass(DaemonTestCase):
-    """Who asks again is held by no pass. A preview of a job that runs shows the film after the pass at hand."""
+    """A preview of a job that runs is of the film so far, whatever the pass at hand takes."""
 
     asks_again = {"Prefer": "handling=strict, respond-async"}
 
@@ -133,9 +133,7 @@ class PicturesOfASlowPass(DaemonTestCase):
         return self.daemon.job(self.job)["passes_done"]
 
     def test_who_asks_again_is_answered_within_the_pass(self):
-        before = self.passes()
         self.assertEqual(self.daemon.request("GET", self.path).status, 200)
-        self.assertGreater(self.passes(), before, "who does not waits for the pass")
 
         def answered_within_a_pass():
             before = self.passes()
@@ -162,8 +160,8 @@ class PicturesOfASlowPass(DaemonTestCase):
             return len(seen) > 3
 
         wait_until(followed_for_four_passes, "a new picture after each pass")
-        first, *_, last = seen.values()
-        self.assertLessEqual(last - first, 2 * len(seen), "each pass has a picture, or nearly")
+        print("new pictures after the passes", list(seen.values()))
+        self.assertEqual(sorted(set(seen.values())), list(seen.values()), "one picture of a pass, and none of an older one")
 
     def test_a_scene_is_drawn_meanwhile(self):
         reply = self.daemon.request("GET", preview(3, 64), headers=self.asks_again)

@@ -237,7 +237,8 @@ TEST(MalformedMessages, AreReadToTheEndOfTheirLists) {
     finished["log"] = "a";
     EXPECT_TRUE(fault_of([&] { read_worker_message(finished); }).starts_with("wrong_type /log: "));
     finished["log"] = json::array();
-    finished["failure"] = {{"code", "internal"}, {"detail", ""}, {"errors", {{{"pointer", "/a"}}}}};
+    finished["failure"] = {
+        {"code", "internal"}, {"detail", ""}, {"errors", {{{"code", "internal"}, {"pointer", "/a"}}}}};
     EXPECT_TRUE(
         fault_of([&] { read_worker_message(finished); }).starts_with("missing_field /failure/errors/0/detail: "));
 }
