@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { DaemonStatus } from "../api/types";
-import { rates, type Sample, sampleOf, withSample } from "./rates";
+import { rates, type Sample, sampleOf, samplesBefore, withSample } from "./rates";
 
 const sample = (at: number, passes: number): Sample => ({ at, passes, rays: 0, photons: 0, jobs: 0, memory: 0 });
 
@@ -17,6 +17,28 @@ describe("rates from totals", () => {
   });
   it("are never negative", () => {
     expect(rates([sample(10, 8), sample(11, 4)], "passes", 5)).toEqual([null, 0]);
+  });
+});
+
+describe("what there was before", () => {
+  const now = Date.parse("2026-03-01T12:00:00Z");
+  const ago = (seconds: number) => new Date(now - 1000 * seconds).toISOString();
+  const before = samplesBefore({ ...sample(1000, 500), rays: 7, jobs: 2, memory: 9 }, [
+    { started: ago(100), finished: ago(50), passes_done: 100 },
+    { started: ago(20), finished: null, passes_done: 40 },
+    { started: null, finished: null, passes_done: 0 },
+  ], now);
+  it("is told by jobs that have ended or run", () => {
+    const at = (seconds: number) => before.find((one) => one.at === 1000 - seconds)!;
+    expect([before.length, before[0]!.at]).toEqual([60, 700]);
+    expect([at(300), at(75), at(50), at(20), at(5)].map(({ passes }) => passes)).toEqual([360, 410, 460, 460, 490]);
+    expect([at(55), at(50)].map(({ jobs }) => jobs)).toEqual([1, 2]);
+  });
+  it("is nothing before the daemon began, and not known of rays", () => {
+    expect(samplesBefore(sample(12, 0), [], now).map(({ at }) => at)).toEqual([2, 7]);
+    const all = [...before.slice(-2), { ...sample(1000, 500), rays: 7 }, { ...sample(1002, 504), rays: 11 }];
+    expect(rates(all, "rays", 60)).toEqual([null, null, null, 2]);
+    expect(rates(all, "passes", 5)).toEqual([null, 2, 2, 2]);
   });
 });
 

@@ -63,12 +63,12 @@ export function Throughput() {
   const all = samples.value;
   const end = all.at(-1)?.at ?? 0;
   const x = useMemo(() => all.map((sample) => sample.at - end), [all]);
-  const memory = useMemo(() => all.map((sample) => sample.memory), [all]);
+  const memory = useMemo(() => all.map(({ memory }) => (Number.isNaN(memory) ? null : memory)), [all]);
   return (
     <section class="panel" aria-labelledby="now-throughput">
       <h2 id="now-throughput">Throughput</h2>
       {all.length < 2 ? (
-        <p class="muted">Counted from when this page was opened; the first seconds are to come.</p>
+        <p class="muted">The first seconds are to come.</p>
       ) : (
         <div class="now-charts">
           {kShown.map((shown, index) => (
