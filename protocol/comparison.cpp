@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "protocol/comparison_remarks.h"
 #include "protocol/object_reader.h"
 #include "protocol/param_json.h"
 #include "protocol/strict_json.h"
@@ -374,6 +375,7 @@ ComparisonRequest parse_comparison_request(const json& body, const JobVocabulary
     const json* given_seeds = read_array(reader, "seeds", false, "seed");
     const json seeds = given_seeds ? *given_seeds : json::array({1u});
     if (given_seeds) check_distinct(seeds, "/seeds", faults);
+    const json remarks = read_remarks(body, reader, faults);
     reader.finish();
 
     const bool needs_reference = std::any_of(request.metrics.begin(), request.metrics.end(),
@@ -400,6 +402,8 @@ ComparisonRequest parse_comparison_request(const json& body, const JobVocabulary
         if (entries[i].good) planner.plan_entry(i, entries[i], seeds, request.jobs);
     faults.throw_if_any();
     request.echo = echo_of(request, entries);
+    request.echo.update({{"title", nullptr}, {"notes", nullptr}});
+    request.echo.update(remarks);
     return request;
 }
 

@@ -1,4 +1,5 @@
 #include "protocol/comparison.h"
+#include "protocol/comparison_remarks.h"
 #include "protocol/openapi_schemas.h"
 
 namespace photond::openapi {
@@ -7,6 +8,16 @@ namespace {
 json at_least_one(json list) {
     list["minItems"] = 1;
     return list;
+}
+
+json remarks_schemas() {
+    const auto text = [](size_t most, const char* what) {
+        json schema = typed("string");
+        schema["minLength"] = 1;
+        schema["maxLength"] = most;
+        return with_text(or_null(std::move(schema)), what);
+    };
+    return {{"title", text(kMaxTitleBytes, "what it is called")}, {"notes", text(kMaxNotesBytes, "several lines")}};
 }
 
 json request_schema(const json& job_request) {
@@ -35,6 +46,7 @@ json request_schema(const json& job_request) {
     for (const char* key : {"scene", "camera", "image", "reference", "stop", "layers", "priority", "labels",
                             "environment", "glass", "animation", "time", "shutter", "quiet_machine"})
         properties[key] = of_job.at(key);
+    properties.update(remarks_schemas());
     return taken(std::move(properties), {"scene", "image", "entries", "stop"});
 }
 
@@ -271,6 +283,7 @@ json report_schema(const json& comparison) {
 json comparison_schemas(const json& job_request) {
     const json comparison = comparison_schema();
     return {{"ComparisonRequest", request_schema(job_request)},
+            {"ComparisonRemarks", taken(remarks_schemas(), {})},
             {"Comparison", comparison},
             {"ComparisonSummary", summary_schema()},
             {"ComparisonEstimate", estimate_schema()},

@@ -151,6 +151,10 @@ json Service::get_comparison(const std::string& id) {
     impl_->biases.settle(id);
     return impl_->comparisons.get_comparison(id);
 }
+json Service::change_comparison(const std::string& id, const json& body) {
+    impl_->comparisons.change_comparison(id, body);
+    return get_comparison(id);
+}
 Page Service::list_comparisons(uint32_t limit, const std::string& cursor) {
     return impl_->comparisons.list_comparisons(limit, cursor);
 }

@@ -149,6 +149,8 @@ public:
     /// they cannot be told. Waits for the helper the first time a built-in scene is asked about.
     nlohmann::json estimate_comparison(const ComparisonRequest& request);
     nlohmann::json get_comparison(const std::string& id);
+    /// {"title", "notes"}, or one of them (protocol/comparison_remarks.h). Returns the comparison.
+    nlohmann::json change_comparison(const std::string& id, const nlohmann::json& body);
     /// Without jobs and tables.
     Page list_comparisons(uint32_t limit, const std::string& cursor);
     /// Cancels its jobs that are not over, and the reference made for it where nobody else waits for that.

@@ -29,6 +29,10 @@ void add_comparison_routes(std::vector<Route>& all, Service& service) {
                                              .get = &Service::get_comparison,
                                              .cancel = &Service::cancel_comparison,
                                              .purge = &Service::purge_comparison});
+    routes.add("PATCH", "/v1/comparisons/{id}", BodyKind::Json, [&service](Call& call) {
+        Query(call.query).finish();
+        return json_reply(200, service.change_comparison(call.path_parameters[0], parse_strict_json(call.body)));
+    });
     const auto add_map = [&](const char* pattern,
                              Artefact (Service::*map)(const std::string&, uint32_t, const std::string&)) {
         routes.add("GET", pattern, BodyKind::None, [&service, map](Call& call) {

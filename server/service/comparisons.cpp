@@ -4,6 +4,7 @@
 
 #include <mutex>
 
+#include "protocol/comparison_remarks.h"
 #include "server/clock_text.h"
 
 namespace photond {
@@ -87,6 +88,22 @@ json Comparisons::submit_comparison(const ComparisonRequest& request, const std:
     lock.unlock();
     spdlog::info("comparison {}: {} jobs", comparison_id(row.seq), members.size());
     return judge(compared).object;
+}
+
+void Comparisons::change_comparison(const std::string& id, const json& body) {
+    BodyFaults faults;
+    ObjectReader reader(body, "", faults);
+    const json remarks = read_remarks(body, reader, faults);
+    reader.finish();
+    faults.throw_if_any();
+    const std::lock_guard lock(core_.mutex);
+    ComparisonRow row = groups_.require(id);
+    json request = json::parse(row.request);
+    request.update(remarks);
+    row.request = request.dump();
+    auto transaction = core_.store.transaction();
+    core_.store.update_comparison(row);
+    transaction.commit();
 }
 
 Page Comparisons::list_comparisons(uint32_t limit, const std::string& cursor) {

@@ -35,6 +35,8 @@ public:
     nlohmann::json estimate_comparison(const ComparisonRequest& request);
     /// Throws NotFound, as all do that are given an id.
     nlohmann::json get_comparison(const std::string& id);
+    /// Throws the faults of the body.
+    void change_comparison(const std::string& id, const nlohmann::json& body);
     /// Throws OutOfRange.
     Page list_comparisons(uint32_t limit, const std::string& cursor);
     /// With `remove` its jobs and their files go too. Throws WrongState then, where jobs of others are measured against

@@ -59,9 +59,10 @@ void Store::insert_comparison_job(int64_t comparison, int64_t place, const Compa
 }
 
 void Store::update_comparison(const ComparisonRow& comparison) {
-    database_.prepare("UPDATE comparisons SET purge_requested = ?1 WHERE seq = ?2")
+    database_.prepare("UPDATE comparisons SET purge_requested = ?1, request = ?2 WHERE seq = ?3")
         .bind(1, static_cast<int64_t>(comparison.purge_requested))
-        .bind(2, comparison.seq)
+        .bind(2, comparison.request)
+        .bind(3, comparison.seq)
         .run();
 }
 

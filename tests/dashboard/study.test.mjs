@@ -195,3 +195,24 @@ test("what runs is cancelled, and a study that is not there is said to be none",
   await lost.getByText("there is no comparison 'C999'").waitFor();
   await axeClean(lost);
 });
+
+test("it is given a title and notes, and the list says what it came to", async () => {
+  await page.goto(`${daemon.url}/studies/${study.id}`);
+  await page.getByRole("button", { name: "Give it a title and notes" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Title").fill("Which is sooner");
+  await dialog.getByLabel("Notes").fill("First line\nand a second");
+  await shoot(page, "study-remarks");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await page.getByRole("heading", { name: "Which is sooner", level: 1 }).waitFor();
+  assert.equal(await page.locator(".study-notes").innerText(), "First line\nand a second");
+  assert.deepEqual((({ title, notes }) => [title, notes])((await daemon.get(`/v1/comparisons/${study.id}`)).request), ["Which is sooner", "First line\nand a second"]);
+
+  await page.goto(`${daemon.url}/studies`);
+  const { headlines } = await daemon.get(`/v1/comparisons/${study.id}`);
+  const row = page.getByRole("row").filter({ has: page.getByRole("link", { name: "Which is sooner" }) });
+  await row.getByText(headlines.find((one) => one.metric === "relative_mse").text).waitFor();
+  await axeClean(page);
+  await shoot(page, "studies-titled");
+  expectNoComplaints(page);
+});

@@ -169,6 +169,34 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
         self.assert_same_errors(errors_at_passes(self.daemon, self.found), errors_at_passes(self.daemon, again),
                                 {1, 2, 4, 8})
 
+    def test_its_title_and_notes_are_changed_and_stay(self):
+        with Daemon() as daemon:
+            body = comparison(passes=1, seeds=(1,), title="Which is sooner", notes="one\n\ttwo")
+            asked = submit(daemon, body, "k").json
+            path = f"/v1/comparisons/{asked['id']}"
+
+            def remarks():
+                request = daemon.request("GET", path).json["request"]
+                return request["title"], request["notes"]
+
+            def change(body):
+                return daemon.request("PATCH", path, json_body=body)
+
+            self.assertEqual(remarks(), ("Which is sooner", "one\n\ttwo"))
+            self.assertEqual(change({"title": "Another"}).json["request"]["title"], "Another")
+            self.assertEqual(remarks(), ("Another", "one\n\ttwo"), "what is not named stays")
+            for fault in ({"title": "two\nlines"}, {"title": ""}, {"title": "x" * 201}, {"notes": "\u0007"}, {"notes": 1},
+                          {"titel": "x"}):
+                reply = change(fault)
+                self.assertEqual((reply.status, reply.json["errors"][0]["pointer"]), (422, "/" + next(iter(fault))))
+            self.assertEqual(daemon.request("PATCH", "/v1/comparisons/C999", json_body={}).status, 404)
+            self.assertEqual(submit(daemon, body, "k").json["id"], asked["id"], "the key is of what was submitted")
+            daemon.kill()
+            daemon.start()
+            daemon.wait_ready()
+            self.assertEqual(change({"notes": None}).status, 200)
+            self.assertEqual(remarks(), ("Another", None))
+
     def test_the_echo_asks_for_the_same(self):
         again = submit(self.daemon, self.found["request"]).json
         self.assertEqual(again["request"], self.found["request"])

@@ -253,6 +253,8 @@ class OpenApiTest(unittest.TestCase):
         while ask("GET", f"/v1/comparisons/{compared['id']}").json["state"] != "succeeded":
             time.sleep(0.05)
         self.assertEqual(len(ask("GET", "/v1/comparisons").json["items"]), 1)
+        changed = ask("PATCH", f"/v1/comparisons/{compared['id']}", json_body={"title": "x", "notes": "a\nb"})
+        self.assertEqual((changed.status, changed.json["request"]["title"]), (200, "x"))
         for name in ("report.json", "report.csv", "report.html"):
             self.assertEqual(ask("GET", f"/v1/comparisons/{compared['id']}/{name}").status, 200, name)
         for name in ("bias.json", "bias.png"):

@@ -443,6 +443,8 @@ export interface ComparisonRequest {
   seeds?: number[] | null;
   layers?: string[] | null;
   environment?: JobRequest["environment"];
+  title?: string | null;
+  notes?: string | null;
   [more: string]: unknown;
 }
 

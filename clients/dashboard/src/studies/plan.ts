@@ -99,7 +99,8 @@ const sweepsOf = (sweep: Record<string, Json[]> | null | undefined): SweepPlan[]
 
 /** The plan that a request came from, or could have. */
 export function planOf(request: ComparisonRequest): Plan {
-  const { scene, image, reference, entries, stop, metrics, seeds, ...more } = request;
+  // What is said of one is not said of another.
+  const { scene, image, reference, entries, stop, metrics, seeds, title: _title, notes: _notes, ...more } = request;
   const { width, height, ...aboutImage } = image;
   return {
     scene,

@@ -14,6 +14,8 @@ const report = {
     metrics: ["relative_mse", "estimated_relative_mse"],
     seeds: [5, 6],
     labels: { project: "x" },
+    title: "Which is sooner",
+    notes: null,
   },
   reference: { job: "J1" },
   table: [
@@ -37,7 +39,7 @@ describe("a strip", () => {
       stop: { target: { metric: "relative_mse", value: 0.01 }, seconds: 8 },
       labels: { project: "x", strip: "C7 relative_mse 0.01", entry: "paths" },
     });
-    expect(requests[0]).not.toHaveProperty("entries");
+    for (const member of ["entries", "title", "notes"]) expect(requests[0]).not.toHaveProperty(member); // a job has none
     expect(requests[0]).not.toHaveProperty("seeds");
     expect(requests[2]!.method.parameters).toEqual({ gather: "direct", photons: 4000 });
     expect(requests[2]!.stop.seconds).toBe(5);

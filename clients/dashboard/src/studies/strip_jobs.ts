@@ -43,7 +43,7 @@ export function stripRequests(report: ComparisonReport, at: StripAt): (JobReques
     const stop = stopFor(report, index, at);
     const entry = request.entries.find((other) => (other.label ?? other.method.name) === row.label);
     if (!stop || !entry) return null;
-    const { entries: _, seeds, stop: __, labels, ...shared } = request;
+    const { entries: _, seeds, stop: __, labels, title: _title, notes: _notes, ...shared } = request;
     // One film by its name; two are found again by what they were asked for as.
     const films = referenceJobs(report);
     const reference = films.length === 1 ? `job:${films[0]}` : request.reference;

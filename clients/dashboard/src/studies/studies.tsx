@@ -30,6 +30,9 @@ function Finding({ id }: { id: string }) {
   );
 }
 
+const entriesText = (request: ComparisonSummary["request"]): string =>
+  request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ");
+
 function Row({ study }: { study: ComparisonSummary }) {
   const { request } = study;
   const jobs = Object.values(study.job_states).reduce((sum, count) => sum + count, 0);
@@ -40,9 +43,10 @@ function Row({ study }: { study: ComparisonSummary }) {
       </td>
       <td>
         <a class="studies-name" href={`/studies/${study.id}`}>
-          {request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")}
+          {request.title ?? entriesText(request)}
         </a>
         <small class="muted">
+          {request.title && `${entriesText(request)} · `}
           {sceneName(request.scene)} · {sizeText(request.image)}
         </small>
         {study.state === "succeeded" && <Finding id={study.id} />}

@@ -23,6 +23,7 @@ import { useLiveStudy, type LiveStudy } from "./live_study";
 import { BestByTime, MemoryFigure } from "./memory_figure";
 import { metricText } from "./metric_texts";
 import { defaultBand, frontWithMemory, idealSlope, isNoiseKnown, referenceJobs, rowName, seriesOf, type Band } from "./series";
+import { Remarks } from "./remarks";
 import { Strips, type PictureKind } from "./strips";
 import { JobsOfStudy, Repetition } from "./study_jobs";
 import { StudyNow } from "./study_now";
@@ -40,6 +41,7 @@ const bandsOf = (seeds: number, noiseKnown: boolean): Band[] => [...(seeds > 1 ?
 const capitalised = (text: string): string => text[0]!.toUpperCase() + text.slice(1);
 
 export const studyTitle = (request: Comparison["request"]): string =>
+  request.title ??
   `${sceneName(request.scene)}: ${request.entries.map((entry) => entry.label ?? entry.method.name).join(", ")}`;
 
 function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: string }) {
@@ -383,6 +385,7 @@ export function Study() {
         {report.id}, <StateMark state={report.state} /> · {report.table.map(rowName).length} entries · {image.width} × {image.height} · {stopText(stop)} each ·{" "}
         {seeds.length === 1 ? "1 seed" : `${seeds.length} seeds`} · {report.jobs.length} jobs
       </p>
+      <Remarks report={report} reload={study.reload} />
       {study.failure && <p class="notice failed">What is shown may be old: {study.failure.message}</p>}
       <Body study={study} report={report} />
     </>
