@@ -31,9 +31,11 @@ test("every operation is there by its subject, is found by words and says what i
   await submit.locator("summary").first().click();
   await submit.getByText("Idempotency-Key").waitFor();
   await submit.getByText("the same key and body give the same job").waitFor();
-  const body = submit.locator(".api-details > section", { hasText: "Body" }).first();
-  for (const member of Object.keys(document.components.schemas.JobRequest.properties)) await body.locator("code", { hasText: new RegExp(`^${member}$`) }).first().waitFor();
-  assert.equal(await body.locator("xpath=.//ul[1]/li[code='scene']").first().getByText("required").count(), 1);
+  const body = submit.locator(".api-details > section", { has: page.getByRole("heading", { name: "Body" }) });
+  const members = body.locator(".api-members").first().locator("> li");
+  const { properties, required } = document.components.schemas.JobRequest;
+  assert.deepEqual(await members.locator("> code").allInnerTexts(), Object.keys(properties));
+  assert.deepEqual((await members.filter({ has: page.locator("> .api-required") }).locator("> code").allInnerTexts()).sort(), [...required].sort());
   await submit.locator(".api-answer", { hasText: "202" }).locator("summary").first().click();
   await submit.locator(".api-answer", { hasText: "202" }).locator("code", { hasText: /^passes_done$/ }).first().waitFor();
   await shoot(page, "api-operation", { fullPage: true });
@@ -44,7 +46,7 @@ test("every operation is there by its subject, is found by words and says what i
   await page.locator("#op-submitJob .api-example").waitFor();
 
   // The example is what the daemon takes.
-  const line = await page.locator("#op-submitJob .api-example").innerText();
+  const line = (await page.locator("#op-submitJob .api-example").innerText()).trim();
   const sent = JSON.parse(/-d '(.*)' '/.exec(line)[1]);
   assert.ok(line.endsWith(`'${daemon.url}/v1/jobs'`), line);
   await daemon.json("POST", "/v1/jobs?dry_run=true", sent);

@@ -164,7 +164,7 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   // One side follows the other.
   await page.getByLabel("Width").fill("96");
   await eventually(async () => assert.equal(await page.getByLabel("Height").inputValue(), "72"));
-  await page.getByLabel("Passes").fill("4");
+  await page.locator("#render-stop-passes").fill("4");
   await page.getByRole("button", { name: "Render", exact: true }).click();
   await page.waitForURL(/\/jobs\/J\d+/);
   assert.equal(query(page).exposure, wanted.get("exposure"));

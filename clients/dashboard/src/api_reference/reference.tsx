@@ -19,7 +19,7 @@ function Parameters({ operation }: { operation: Operation }) {
   if (parameters.length === 0) return null;
   return (
     <section>
-      <h4>Parameters</h4>
+      <h3>Parameters</h3>
       <ul class="api-members">
         {parameters.map(({ name, in: place, required, description, schema }) => (
           <li key={`${place} ${name}`}>
@@ -41,7 +41,7 @@ function Details({ document, operation }: { document: OpenApi; operation: Operat
       <Parameters operation={operation} />
       {body.length > 0 && (
         <section>
-          <h4>Body</h4>
+          <h3>Body</h3>
           {body.map(([media, { schema }]) => (
             <div key={media}>
               <p class="small">
@@ -53,7 +53,7 @@ function Details({ document, operation }: { document: OpenApi; operation: Operat
         </section>
       )}
       <section>
-        <h4>Answers</h4>
+        <h3>Answers</h3>
         {Object.entries(operation.responses).map(([status, { description, content }]) => (
           <details key={status} class="api-answer">
             <summary>
@@ -64,10 +64,10 @@ function Details({ document, operation }: { document: OpenApi; operation: Operat
         ))}
       </section>
       <section>
-        <h4>Example</h4>
-        <div class="scroll-x" tabIndex={0} role="region" aria-label={`Example of ${operation.operationId}`}>
-          <pre class="api-example">{line}</pre>
-        </div>
+        <h3>Example</h3>
+        <pre class="api-example" tabIndex={0} role="region" aria-label={`Example of ${operation.operationId}`}>
+          {line}
+        </pre>
         <button class="small" onClick={() => navigator.clipboard.writeText(line).then(() => say("The line is copied."), () => sayFailure(new Error("The browser does not let the page copy.")))}>
           Copy
         </button>
