@@ -93,7 +93,7 @@ test("bias stands apart from noise, with maps of where it is", async () => {
   const report = await wholeReport();
   const bias = section("Bias and noise apart");
   for (const row of report.table) await bias.getByRole("cell", { name: row.bias.relative_mse.text, exact: true }).first().waitFor();
-  const map = await daemon.get(`/v1/comparisons/${study.id}/rows/1/bias.json?layer=indirect`);
+  const map = await eventually(() => daemon.get(`/v1/comparisons/${study.id}/rows/1/bias.json?layer=indirect`));  // 503 while others are drawn
   await bias.getByRole("combobox", { name: "Layer" }).selectOption("indirect");
   await bias.getByRole("img", { name: "Where photons & rays, photons 500 is biased, indirect" }).waitFor();
   await bias.getByText(map.text, { exact: true }).first().waitFor();
