@@ -1,5 +1,5 @@
-// The last minutes of what the daemon gets done: as the jobs tell that there are when the page is opened, and from then on
-// by its status events, whichever room is shown.
+// The last minutes of what the daemon gets done: by its status events, whichever room is shown, and before the first of
+// those as the jobs tell.
 
 import { signal } from "@preact/signals";
 
@@ -12,7 +12,12 @@ const kJobsLookedAt = 200;
 
 export const samples = signal<Sample[]>([]);
 
-async function lookBack(first: Sample): Promise<void> {
+let lookedBack = false;
+
+/** Once in a page's life, when somebody looks at the charts: puts what was before the first sample in front of it. */
+export async function lookBack(first: Sample): Promise<void> {
+  if (lookedBack) return;
+  lookedBack = true;
   const page = (query: Record<string, string | number>) => getJson<JobSummaryPage>("/v1/jobs", { view: "summary", limit: kJobsLookedAt, ...query });
   const [ended, running] = await Promise.all([page({ order: "ended" }), page({ state: "running" })]);
   const now = samples.peek();
@@ -21,7 +26,5 @@ async function lookBack(first: Sample): Promise<void> {
 
 listen((event) => {
   if (event.type !== "status") return;
-  const now = withSample(samples.peek(), sampleOf(event.status));
-  samples.value = now;
-  if (now.length === 1) lookBack(now[0]!).catch(() => undefined); // without it the charts begin now
+  samples.value = withSample(samples.peek(), sampleOf(event.status));
 });

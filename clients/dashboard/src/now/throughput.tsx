@@ -1,10 +1,10 @@
 // What the daemon gets done, second by second, over the last minutes.
 
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 
 import { bytesText, countText, numberText, secondsText } from "../ui/format";
 import { LiveChart } from "../ui/live_chart";
-import { samples } from "./history";
+import { lookBack, samples } from "./history";
 import { type Quantity, rates, type Sample } from "./rates";
 
 const kShownSeconds = 300;
@@ -62,6 +62,10 @@ function RateChart({ shown, x, all, look }: { shown: Shown; x: number[]; all: Sa
 export function Throughput() {
   const all = samples.value;
   const end = all.at(-1)?.at ?? 0;
+  const hasBegun = all.length > 0;
+  useEffect(() => {
+    if (hasBegun) lookBack(samples.peek()[0]!).catch(() => undefined); // without it the charts begin now
+  }, [hasBegun]);
   const x = useMemo(() => all.map((sample) => sample.at - end), [all]);
   const memory = useMemo(() => all.map(({ memory }) => (Number.isNaN(memory) ? null : memory)), [all]);
   return (
