@@ -32,12 +32,12 @@ test("every operation is there by its subject, is found by words and says what i
   await submit.getByText("Idempotency-Key").waitFor();
   await submit.getByText("the same key and body give the same job").waitFor();
   const body = submit.locator(".api-details > section", { has: page.getByRole("heading", { name: "Body" }) });
-  const members = body.locator(".api-members").first().locator("> li");
+  const members = body.locator(".api-members").first().locator(":scope > li");
   const { properties, required } = document.components.schemas.JobRequest;
-  assert.deepEqual(await members.locator("> code").allInnerTexts(), Object.keys(properties));
-  assert.deepEqual((await members.filter({ has: page.locator("> .api-required") }).locator("> code").allInnerTexts()).sort(), [...required].sort());
+  assert.deepEqual(await members.locator(":scope > code").allInnerTexts(), Object.keys(properties));
+  assert.deepEqual((await members.filter({ has: page.locator(":scope > .api-required") }).locator(":scope > code").allInnerTexts()).sort(), [...required].sort());
   await submit.locator(".api-answer", { hasText: "202" }).locator("summary").first().click();
-  await submit.locator(".api-answer", { hasText: "202" }).locator("code", { hasText: /^passes_done$/ }).first().waitFor();
+  await submit.locator(".api-answer", { hasText: "202" }).locator(":scope > div > .api-members > li > code", { hasText: /^passes_done$/ }).waitFor();
   await shoot(page, "api-operation", { fullPage: true });
   await axeClean(page);
   // A link brings it back, opened.
