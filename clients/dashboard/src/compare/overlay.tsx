@@ -33,7 +33,7 @@ function Label({ desk, pane, atEnd }: { desk: Desk; pane: Pane; atEnd: boolean }
   const isReference = pane.index === desk.reference.value;
   return (
     <div class={`compare-pane${atEnd ? (across ? " at-bottom" : " at-right") : ""}`} style={styleOf(pane.clip, desk.density.value)}>
-      <span class="compare-name">
+      <span class="compare-name" title={source?.title ?? name}>
         <b>{pane.index + 1}</b> {source?.title ?? name}
         {isReference && desk.part("images").value.length > 1 && " · reference"}
       </span>
