@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "protocol/enumerated.h"
 #include "protocol/nearest_name.h"
 #include "protocol/object_reader.h"
 #include "protocol/param_json.h"
@@ -136,12 +137,6 @@ void read_image(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest&
     if (height) request.height = static_cast<uint32_t>(*height);
     if (const auto filter = reader.word("filter", {"box", "gaussian", "blackman_harris"})) request.filter = *filter;
     reader.finish();
-}
-
-std::string enumerated(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
 }
 
 // "cpu", "gpu" or "gpu:N".

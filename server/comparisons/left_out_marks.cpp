@@ -1,6 +1,6 @@
 #include "server/comparisons/left_out_marks.h"
 
-#include "server/comparisons/report_text.h"
+#include "protocol/enumerated.h"
 
 namespace photond {
 namespace {

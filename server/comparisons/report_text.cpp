@@ -89,12 +89,6 @@ std::string interval(const SeedMean& mean, std::string (*written)(double)) {
     return mean.low && mean.high ? range(*mean.low, *mean.high, written) : "";
 }
 
-std::string enumerated(std::span<const std::string> names) {
-    std::string text;
-    for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-    return text;
-}
-
 std::string base64(std::span<const uint8_t> bytes) {
     static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;

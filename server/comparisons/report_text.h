@@ -25,8 +25,6 @@ std::string short_bytes(uint64_t bytes);
 std::string range(double from, double to, std::string (*written)(double));
 /// Over the seeds, likewise; empty without an interval.
 std::string interval(const SeedMean& mean, std::string (*written)(double));
-/// "a, b and c"; empty for none.
-std::string enumerated(std::span<const std::string> names);
 std::string base64(std::span<const uint8_t> bytes);
 /// base64 of the SHA-256 of a text: what a content-security policy names an inline script or style by.
 std::string sha256_base64(std::string_view text);

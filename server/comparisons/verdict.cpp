@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/enumerated.h"
 #include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/report_text.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/enumerated.h"
 #include "protocol/nearest_name.h"
 #include "protocol/scene_families.h"
 #include "renderer/methods/registry.h"
