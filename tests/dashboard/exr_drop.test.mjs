@@ -27,9 +27,10 @@ async function drop(page, name, bytes) {
 
 test("a dropped EXR fills the form with its request", async () => {
   const job = await daemon.run(smallJob({ image: { width: 40, height: 24 }, stop: { passes: 3 }, seed: 7 }));
+  const image = await fetch(`${daemon.url}/v1/jobs/${job.id}/image.exr`);
   const page = await openPage(daemon, "/jobs");
   await page.getByRole("heading", { name: "Jobs" }).waitFor();
-  await drop(page, "kept.exr", exr("photond:request", JSON.stringify(job.request)));
+  await drop(page, "kept.exr", Buffer.from(await image.arrayBuffer()));
   await page.getByRole("heading", { name: "Render, from kept.exr" }).waitFor();
   await page.getByText("As JSON").click();
   const request = JSON.parse(await page.getByLabel("The request as JSON").inputValue());
