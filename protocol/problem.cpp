@@ -14,7 +14,6 @@ json problem_json(ErrorCode code, const std::string& detail, const std::vector<F
     const ErrorKind& kind = error_kind(code);
     json errors = json::array();
     for (const Fault& fault : faults)
-
         errors.push_back({{"code", error_kind(fault.code).name},
                           {"pointer", as_utf8(fault.pointer)},
                           {"detail", as_utf8(fault.detail)}});

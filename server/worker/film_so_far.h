@@ -42,7 +42,7 @@ private:
 /// it saves is to be looked at: such a film's history has its seconds alone, and it has no state to be gone on with.
 class FilmSoFar final : public FilmReader {
 public:
-    /// Called from either thread, one at a time.
+    /// Called from either thread, and both may be called at once.
     struct Told {
         std::function<void(ProgressMessage progress)> progress;
         std::function<void(const std::filesystem::path& path, uint32_t passes)> saved;

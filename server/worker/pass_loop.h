@@ -41,7 +41,7 @@ struct PassLoop {
     std::function<double()> now = wall_now_seconds;  // called by all threads that render
     /// Whether after_pass will take long, off the clock: the method's device is let come to rest before, on it.
     std::function<bool(const Film& film, double render_seconds)> pauses = {};
-    FilmReader* reader = nullptr;
+    FilmReader* reader = nullptr;  // null: nobody reads the film meanwhile
 
     struct Result {
         Film film;

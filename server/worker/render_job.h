@@ -42,6 +42,7 @@ struct JobReport : FinishedMessage {
 
 class RenderJob {
 public:
+    /// Called from two threads (film_so_far.h), also at once.
     using Send = std::function<void(const nlohmann::json& message)>;
 
     /// Borrows everything. Throws photond::Error with pointers into the request for parameters that are refused.

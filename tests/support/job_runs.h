@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,7 +32,10 @@ protected:
     JobRuns()
         : runner_(scenes_, open_device({"cpu", {}, 0}), 2, 4ull << 30,
                   [this](const json& message) {
-                      sent.push_back(message);
+                      {
+                          const std::lock_guard lock(mutex_);
+                          sent.push_back(message);
+                      }
                       if (on_message) on_message(message);
                   }),
           film_(std::filesystem::temp_directory_path() / ("photond_job_test_" + std::to_string(getpid()) + ".film")) {}
@@ -74,9 +78,10 @@ protected:
     }
     SceneCache& scenes() { return scenes_; }
     std::vector<json> sent;
-    std::function<void(const json& message)> on_message;  // from within the job
+    std::function<void(const json& message)> on_message;  // from within the job, by two threads (film_so_far.h)
 
 private:
+    std::mutex mutex_;  // of `sent`, while a job runs
     SceneCache scenes_{1ull << 20};
     JobRunner runner_;
     std::filesystem::path film_;
