@@ -114,12 +114,12 @@ void FirstBounceGpu::add_vpl_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     if (!selection_) steps.push_back({0, [this](gpu::CommandList& commands) { tracer_->record_vpls(commands); }});
 }
 
-void FirstBounceGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+void FirstBounceGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel,
+                              const std::function<bool()>& grows) {
     const StageTimer timer(stats, "indirect");
-    if (!frame_.run(pass, stats, cancel)) return;
+    if (!frame_.run_with_room(pass, stats, cancel, grows)) return;
     if (lit()) tracer_->add_to(stats.counts);
     if (selection_) selection_->add_to(stats.counts);
-    frame_.read(stats);
 }
 
 }  // namespace photond

@@ -70,8 +70,10 @@ public:
     gpu::Buffer& counters() { return frame_.image().counters(); }
     DeviceFrame& frame() { return frame_; }
 
-    /// A method's own of that name.
-    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    /// A method's own of that name. `grows`: as DeviceFrame::run_with_room() asks.
+    void run_pass(
+        uint32_t pass, Stats& stats, const CancelToken& cancel,
+        const std::function<bool()>& grows = [] { return false; });
 
 private:
     void find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats,

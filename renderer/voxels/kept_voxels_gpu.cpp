@@ -46,6 +46,8 @@ void KeptVoxelsGpu::note(const SceneChange& change) {
 }
 
 void KeptVoxelsGpu::follow(SparseVoxelOctreeGpu& tree, const Scene& scene, Stats& stats) {
+    tree.settle(stats);  // where the last frame was left before it was
+    if (std::exchange(came_to_rest_, false)) tree.keep_nothing();
     const std::vector<uint32_t> moved = moved_.list(scene);
     if (moved.empty()) return;
     const std::vector<uint32_t> fresh = without(moved, moving_);
@@ -60,15 +62,15 @@ void KeptVoxelsGpu::follow(SparseVoxelOctreeGpu& tree, const Scene& scene, Stats
     if (pays && !tree.keeps() && is_room_for(tree.device(), tree.most_kept_bytes(), tree.device_bytes_with_scratch()))
         tree.keep(still, stats);
     if (tree.keeps())
-        tree.update_now(moving_, stats);
+        tree.start_update(moving_);
     else
-        tree.rebuild_now(stats);
+        tree.start_rebuild();
 
     resting_triangles_ += triangles_of(scene, without(moving_, moved));
     if (resting_triangles_ < still_triangles) return;
     moving_ = moved;
     resting_triangles_ = 0;
-    tree.keep_nothing();
+    came_to_rest_ = true;
 }
 
 std::shared_ptr<SparseVoxelOctreeGpu> KeptVoxelsGpu::octree(const gpu::DeviceScene& device_scene, const VoxelGrid& grid,
@@ -82,7 +84,7 @@ std::shared_ptr<SparseVoxelOctreeGpu> KeptVoxelsGpu::octree(const gpu::DeviceSce
         clear();
         tree.reset();  // not both at once
         tree = std::make_shared<SparseVoxelOctreeGpu>(device_scene, grid, surfaces);
-        tree->build_now(stats);
+        tree->build_now(stats, scene.rig != nullptr);
     }
     moved_.settle(scene);
     if (scene.rig && is_room_for(tree->device(), 0, tree->device_bytes_with_scratch())) tree_ = tree;
@@ -97,12 +99,35 @@ void KeptVoxelsGpu::clear() {
     tree_.reset();
     moving_.clear();
     resting_triangles_ = 0;
+    came_to_rest_ = false;
 }
 
-std::shared_ptr<SparseVoxelOctreeGpu> make_octree(KeptVoxels* kept, const gpu::DeviceScene& scene,
-                                                  const VoxelGrid& grid, bool surfaces, Stats& stats) {
+FrameOctreeGpu::FrameOctreeGpu(KeptVoxels* kept, const gpu::DeviceScene& scene, const VoxelGrid& grid, bool surfaces,
+                               Stats& stats) {
     KeptVoxelsGpu nothing;
-    return (kept ? kept->on_device() : nothing).octree(scene, grid, surfaces, stats);
+    tree_ = (kept ? kept->on_device() : nothing).octree(scene, grid, surfaces, stats);
+}
+
+FrameOctreeGpu& FrameOctreeGpu::operator=(FrameOctreeGpu&& other) noexcept {
+    std::swap(tree_, other.tree_);
+    std::swap(counted_, other.counted_);
+    return *this;
+}
+
+FrameOctreeGpu::~FrameOctreeGpu() {
+    if (!tree_) return;
+    try {
+        tree_->device().wait_idle();
+    } catch (const gpu::DeviceLost&) {  // which has dropped the work
+    }
+}
+
+bool FrameOctreeGpu::settle(Stats& stats) {
+    if (!tree_) return false;
+    const bool was_short = tree_->settle(stats);
+    if (!counted_) stats.counts.voxels += tree_->voxel_count();
+    counted_ = true;
+    return was_short;
 }
 
 }  // namespace photond

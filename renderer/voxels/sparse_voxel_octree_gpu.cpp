@@ -140,6 +140,7 @@ gpu::SvoBuildPush SparseVoxelOctreeGpu::push(bool follows) const {
             .fragment_capacity = word(room_.fragments),
             .node_capacity = word(room_.nodes),
             .brick_capacity = word(room_.bricks),
+            .voxel_capacity = word(room_.voxels),
             .surfaces = with_surfaces_,
             .asked = word(asked_instances_.size()),
             .asked_triangles = asked_triangles_,
@@ -199,8 +200,9 @@ void SparseVoxelOctreeGpu::record_surfaces(gpu::CommandList& commands, bool foll
         commands.dispatch_indirect(state_, offsetof(gpu::SvoBuildState, kept_groups));
     }
     std::vector<gpu::Binding> adding = bindings;
-    adding.insert(adding.end(), {gpu::read("fragments", fragments_), gpu::read("flags", flags_),
-                                 gpu::read("ranks", ranks_), gpu::read("rank_starts", rank_starts_)});
+    adding.insert(adding.end(),
+                  {gpu::read("fragments", fragments_), gpu::read("flags", flags_), gpu::read("ranks", ranks_),
+                   gpu::read("rank_starts", rank_starts_), gpu::write("nodes", nodes_)});
     commands.bind(fill_surfaces_, adding);
     commands.push(push(follows));
     commands.dispatch_indirect(state_, offsetof(gpu::SvoBuildState, surface_groups));
@@ -246,15 +248,16 @@ bool SparseVoxelOctreeGpu::grow_if_short() {
     return tree || fragments;
 }
 
-void SparseVoxelOctreeGpu::trim() {
-    const auto some = [](uint64_t count) { return std::max<uint64_t>(count, 1); };
-    const Room exact{room_.fragments, node_count(), some(brick_count()), some(voxel_count())};
+void SparseVoxelOctreeGpu::trim(bool slack) {
+    const auto some = [&](uint64_t count) { return std::max<uint64_t>(slack ? with_slack(count) : count, 1); };
+    const Room left{room_.fragments, some(node_count()), some(brick_count()), some(voxel_count())};
     gpu::Buffer nodes = std::move(nodes_), bricks = std::move(bricks_), surfaces = std::move(surfaces_);
-    make_tree(exact);
+    make_tree(left);
     gpu::CommandList commands(device_);
-    commands.copy(nodes, 0, nodes_, 0, nodes_.bytes());
-    commands.copy(bricks, 0, bricks_, 0, bricks_.bytes());
-    if (with_surfaces_) commands.copy(surfaces, 0, surfaces_, 0, surfaces_.bytes());
+    commands.copy(nodes, 0, nodes_, 0, node_count() * sizeof(gpu::SvoNode));
+    if (brick_count() > 0) commands.copy(bricks, 0, bricks_, 0, brick_count() * sizeof(gpu::SvoBrick));
+    if (with_surfaces_ && brick_count() > 0)
+        commands.copy(surfaces, 0, surfaces_, 0, (brick_count() + voxel_count()) * sizeof(uint32_t));
     commands.submit();
     commands.wait();
 }
@@ -268,25 +271,35 @@ uint64_t SparseVoxelOctreeGpu::guess_device_bytes(uint32_t resolution, bool surf
                                  kBytesATriangle * static_cast<double>(triangles));
 }
 
-void SparseVoxelOctreeGpu::build_asked(bool follows, Stats& stats) {
-    while (true) {
-        gpu::CommandList commands(device_);
-        record(commands, follows);
-        commands.submit();
-        commands.wait();
-        commands.add_times(stats);
+void SparseVoxelOctreeGpu::start(bool follows) {
+    under_way_.reset();
+    under_way_.reset(new UnderWay{gpu::CommandList(device_), follows});
+    record(under_way_->commands, follows);
+    under_way_->commands.submit();
+}
+
+bool SparseVoxelOctreeGpu::settle(Stats& stats) {
+    bool grew = false;
+    while (under_way_) {
+        under_way_->commands.wait();
+        under_way_->commands.add_times(stats);
+        const std::unique_ptr<UnderWay> done = std::move(under_way_);
         if (!grow_if_short()) break;
+        grew = true;
+        start(done->follows);
     }
+    return grew;
 }
 
-void SparseVoxelOctreeGpu::rebuild_now(Stats& stats) {
+void SparseVoxelOctreeGpu::start_rebuild() {
     ask_all();
-    build_asked(false, stats);
+    start(false);
 }
 
-void SparseVoxelOctreeGpu::build_now(Stats& stats) {
-    rebuild_now(stats);
-    trim();
+void SparseVoxelOctreeGpu::build_now(Stats& stats, bool will_change) {
+    start_rebuild();
+    settle(stats);
+    trim(will_change);
 }
 
 SparseVoxelOctreeGpu::KeptPasses::KeptPasses(gpu::Device& device)
@@ -298,7 +311,8 @@ void SparseVoxelOctreeGpu::keep_nothing() { kept_.reset(), kept_places_ = {}; }
 void SparseVoxelOctreeGpu::keep(std::span<const uint32_t> instances, Stats& stats) {
     keep_nothing();
     ask(instances);
-    build_asked(false, stats);
+    start(false);
+    settle(stats);
     if (!kept_passes_) kept_passes_.emplace(device_);
     const uint64_t bricks = brick_count(), voxels = voxel_count();
     gpu::CommandList commands(device_);
@@ -316,9 +330,9 @@ void SparseVoxelOctreeGpu::keep(std::span<const uint32_t> instances, Stats& stat
     kept_ = std::move(kept);
 }
 
-void SparseVoxelOctreeGpu::update_now(std::span<const uint32_t> instances, Stats& stats) {
+void SparseVoxelOctreeGpu::start_update(std::span<const uint32_t> instances) {
     ask(instances);
-    build_asked(true, stats);
+    start(true);
 }
 
 uint64_t SparseVoxelOctreeGpu::device_bytes() const {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,34 +37,40 @@ public:
     /// cube's side.
     static uint64_t guess_device_bytes(uint32_t resolution, bool surfaces, uint64_t triangles);
 
-    /// Builds, waits, makes room until there is enough, and gives back what is more than enough. Stages `voxelise` and
-    /// `svo_build`.
-    void build_now(Stats& stats);
+    /// Builds, waits, makes room until there is enough, and gives back what is more than enough; `will_change`: what is
+    /// more than a quarter more. Stages `voxelise` and `svo_build`.
+    void build_now(Stats& stats, bool will_change = false);
     /// Builds anew within a frame, without a wait; scopes `voxelise` and `svo_build`. Once that has been waited for,
     /// grow_if_short() says whether the room that build_now() made was enough.
     void record_build(gpu::CommandList& commands);
-    /// Once a recorded build has been waited for: true where there was too little room. Now there is more, and it must
-    /// be built again, and asked again. Throws ErrorCode::OutOfMemory where the device cannot hold it.
+    /// Once a recorded build has been waited for: true where there was too little room, and the tree empty. Now there
+    /// is more, and it must be built again, and asked again. Throws ErrorCode::OutOfMemory where the device cannot hold
+    /// it.
     bool grow_if_short();
 
-    /// Builds anew in the room that there is, or more; nothing is given back. Else as build_now().
-    void rebuild_now(Stats& stats);
-    /// Keeps the bricks of these instances, rising numbers, as they are now, which leaves no tree: update_now() must
-    /// come. Of a tree like the last one it takes most_kept_bytes().
+    /// Begins to build anew, in the room that there is, without a wait: whoever asks next finds the tree. Nothing else
+    /// of it is called before settle() but what shaders ask for, room() and bytes.
+    void start_rebuild();
+    /// Begins to make the tree of what is kept and of these instances, rising numbers, as they are now. Else as
+    /// start_rebuild(); stages `voxelise` and `svo_update`.
+    void start_update(std::span<const uint32_t> instances);
+    /// Waits for what was begun; nothing where nothing was, or it was waited for before. True: there was too little
+    /// room and the tree empty, so that whoever asked must ask again. Now it is whole. Throws as grow_if_short().
+    bool settle(Stats& stats);
+
+    /// Keeps the bricks of these instances, rising numbers, as they are now, which leaves no tree: start_update()
+    /// must come. Waits. Of a tree like the last one it takes most_kept_bytes().
     void keep(std::span<const uint32_t> instances, Stats& stats);
     uint64_t most_kept_bytes() const;
     bool keeps() const { return kept_.has_value(); }
     void keep_nothing();
-    /// The tree of what is kept and of these instances, rising numbers, as they are now. Stages `voxelise` and
-    /// `svo_update`.
-    void update_now(std::span<const uint32_t> instances, Stats& stats);
 
     /// Whether it may be built again for this, as the scene is now.
     bool is_of(const gpu::DeviceScene& scene, const VoxelGrid& grid, bool surfaces) const;
     gpu::Device& device() const { return device_; }
 
-    // For shaders that include svo_march.glsl. They stay the same until grow_if_short() says true or it is built or
-    // updated now.
+    // For shaders that include svo_march.glsl. They stay the same until grow_if_short() or settle() says true, or it is
+    // built now.
     gpu::Buffer& constants() { return constants_buffer_; }
     gpu::Buffer& nodes() { return nodes_; }
     gpu::Buffer& bricks() { return bricks_; }
@@ -71,6 +78,11 @@ public:
     gpu::Buffer& first_triangles() { return first_triangles_; }  // for svo_hit.glsl
 
     const gpu::SvoConstants& host_constants() const { return host_constants_; }
+    /// What there is room for.
+    struct Room {
+        uint64_t fragments, nodes, bricks, voxels;
+    };
+    const Room& room() const { return room_; }
     // Of the last build waited for.
     uint64_t fragment_count() const { return counted().fragments; }
     uint64_t node_count() const { return counted().nodes; }
@@ -85,10 +97,6 @@ public:
     double bytes_a_voxel() const { return double(device_bytes()) / double(std::max<uint64_t>(voxel_count(), 1)); }
 
 private:
-    /// What there is room for.
-    struct Room {
-        uint64_t fragments, nodes, bricks, voxels;
-    };
     /// Of a tree of what does not move, all but its nodes.
     struct Kept {
         gpu::Buffer flags, ranks, rank_starts, bricks, surfaces;
@@ -105,10 +113,10 @@ private:
     gpu::SvoBuildPush push(bool follows) const;
     void ask(std::span<const uint32_t> instances);
     void ask_all();
-    void build_asked(bool follows, Stats& stats);
+    void start(bool follows);
     void make_tree(const Room& room);
     void make_fragment_room(uint64_t fragments);
-    void trim();
+    void trim(bool slack);
     std::vector<const gpu::Buffer*> buffers() const;
     void record(gpu::CommandList& commands, bool follows);
     void record_voxelise(gpu::CommandList& commands, bool follows);
@@ -131,6 +139,11 @@ private:
         voxel_starts_, asked_, kept_places_;
     gpu::ComputePipeline count_columns_, make_fragments_, rank_, fill_, count_voxels_, fill_surfaces_;
     std::optional<KeptPasses> kept_passes_;  // once something is kept
+    struct UnderWay {
+        gpu::CommandList commands;
+        bool follows;
+    };
+    std::unique_ptr<UnderWay> under_way_;  // last: its going waits for work that uses the others
 };
 
 }  // namespace photond

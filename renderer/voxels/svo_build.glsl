@@ -9,6 +9,12 @@
 
 layout(set = 0, binding = 0, scalar) coherent buffer State { SvoBuildState state; };
 
+/// Whether there is too little room for the tree's arrays but the surfaces, of which svo_surfaces.comp tells.
+bool is_short(SvoBuildPush push) {
+    return state.fragments > push.fragment_capacity || state.nodes > push.node_capacity ||
+           state.bricks > push.brick_capacity;
+}
+
 uint groups_of(uint elements, uint group) { return elements / group + (elements % group > 0u ? 1u : 0u); }
 
 /// The size of an indirect dispatch with at least so many groups.

@@ -51,8 +51,9 @@ struct SvoBuildPush {
     uint fragment_capacity;
     uint node_capacity;
     uint brick_capacity;
-    uint surfaces;  // whether there are any
-    uint asked;     // instances in the list
+    uint voxel_capacity;  // of surfaces
+    uint surfaces;        // whether there are any
+    uint asked;           // instances in the list
     uint asked_triangles;
     uint follows;  // whether the fragments add to a kept tree, whose bricks are in place
     uint kept_voxels;
@@ -61,7 +62,7 @@ struct SvoBuildPush {
 
 #ifdef __cplusplus
 static_assert(sizeof(SvoBuildState) == 84 && sizeof(SvoAskedInstance) == 12 && sizeof(SvoFragment) == 16 &&
-              sizeof(SvoBuildPush) == 48);
+              sizeof(SvoBuildPush) == 52);
 }  // namespace photond::gpu
 #endif
 

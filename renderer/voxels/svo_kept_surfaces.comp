@@ -16,7 +16,7 @@ layout(set = 0, binding = 11, scalar) readonly buffer KeptPlaces { uint kept_pla
 
 void main() {
     const uint brick = flat_index();
-    if (brick >= brick_count()) return;
+    if (is_short(push) || brick >= brick_count()) return;
     surfaces[brick] = first_voxel(brick);
     uint to = first_surface(brick), from = 0u;
     uvec2 kept = uvec2(0u);

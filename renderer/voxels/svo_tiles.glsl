@@ -3,8 +3,7 @@
 #define PHOTOND_SVO_TILES_GLSL
 
 #include "renderer/voxels/svo_node_ranks.glsl"
-
-layout(set = 0, binding = SVO_NODES_BINDING, scalar) writeonly buffer Nodes { SvoNode nodes[]; };
+#include "renderer/voxels/svo_root.glsl"
 
 /// Told of each brick, by its place and by the bit that flags it.
 void begin_brick(uint brick, uint word, uint bit);
@@ -19,9 +18,14 @@ uvec3 node_place(uint code) {
     return place;
 }
 
-/// The children of the node that is bit `bit` of a word, if it is flagged.
+/// The children of the node that is bit `bit` of a word, if it is flagged. Where there is too little room the root has
+/// none, so that nobody walks down to what is not there.
 void make_tile(uint word, uint bit) {
     if ((flags[word] >> bit & 1u) == 0u) return;
+    if (word == 0u && is_short(push)) {
+        empty_root();
+        return;
+    }
     const uint tile = rank_of_bit(word, bit);
     if (8u * tile + 8u > push.node_capacity) return;
     const uint level = level_of_word(word), code = 32u * (word - SVO_FIRST_WORD(level)) + bit;

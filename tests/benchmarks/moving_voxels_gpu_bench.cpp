@@ -49,8 +49,11 @@ void octree(benchmark::State& state) {
         Stats stats;
         device_scene.follow(change, stats);
     };
-    std::shared_ptr<SparseVoxelOctreeGpu> followed;
-    const auto follow = [&](Stats& stats) { followed = make_octree(&kept, device_scene, grid, true, stats); };
+    FrameOctreeGpu followed;
+    const auto follow = [&](Stats& stats) {
+        followed = {&kept, device_scene, grid, true, stats};
+        followed.settle(stats);
+    };
     SparseVoxelOctreeGpu roomy(device_scene, grid, true);
     Stats before;
     roomy.build_now(before);
@@ -60,8 +63,9 @@ void octree(benchmark::State& state) {
     for ([[maybe_unused]] auto _ : state) {
         state.PauseTiming();
         pose();
-        ways["anew"].time([&](Stats& stats) { (void)make_octree(nullptr, device_scene, grid, true, stats); });
-        ways["in_its_room"].time([&](Stats& stats) { roomy.rebuild_now(stats); });
+        ways["anew"].time(
+            [&](Stats& stats) { FrameOctreeGpu(nullptr, device_scene, grid, true, stats).settle(stats); });
+        ways["in_its_room"].time([&](Stats& stats) { roomy.start_rebuild(), roomy.settle(stats); });
         state.ResumeTiming();
         ways["followed"].time(follow);
     }

@@ -64,11 +64,11 @@ VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeG
 /// What lights take: none where a scene has no light, or no bounce is asked for.
 struct SvoLights {
     SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
-              EmissionSampler sampler, std::shared_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
-              DeviceImage& image, const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot,
+              EmissionSampler sampler, FrameOctreeGpu octree, GBufferGpu& buffer, DeviceImage& image,
+              const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot,
               const std::optional<PathPilot>& path_pilot)
         : emission(std::move(sampler)),
-          tree(std::move(voxels)),
+          tree(std::move(octree)),
           tracer(scene, emission, tracing_of(params), image.counters(), by_camera(params),
                  bounces_of(params, tree.get())),
           set(scene, most_lights(params), params.connect_threshold, likely_lights(params)),
@@ -96,7 +96,7 @@ struct SvoLights {
     VplVisibilityGpu visibility(VplVisibility kind) { return {kind, tree.get(), maps ? &*maps : nullptr}; }
 
     const EmissionSampler emission;
-    const std::shared_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+    FrameOctreeGpu tree;
     VplTracerGpu tracer;
     VplSetGpu set;
     VplLightingGpu lighting;
@@ -308,11 +308,10 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         return;
     }
     context.budget.record("emission_sampler", emission->bytes());
-    std::shared_ptr<SparseVoxelOctreeGpu> tree;
+    FrameOctreeGpu tree;
     if (params_.needs_voxels(context.view.layers)) {
-        tree = make_octree(context.kept_voxels, *context.device_scene,
-                           make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_), stats);
-        stats.counts.voxels += tree->voxel_count();
+        tree = {context.kept_voxels, *context.device_scene, make_voxel_grid(scene.bounds, params_.voxel_resolution),
+                traces_voxels(params_), stats};
     } else {
         stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it",
                                  SparseVoxelOctreeGpu::guess_device_bytes(
@@ -360,7 +359,9 @@ void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& 
     State& state = *state_;
     const StageTimer timer(stats, "indirect");
     const auto grows = [&] {
-        return state.lights && state.lights->caustics && state.lights->caustics->grow_if_short();
+        if (!state.lights) return false;
+        const bool voxels = state.lights->tree.settle(stats);
+        return (state.lights->caustics && state.lights->caustics->grow_if_short()) || voxels;
     };
     if (!state.frame.run_with_room(pass, stats, cancel, grows) || !state.lights) return;
     if (state.lights->caustics) state.lights->caustics->add_to(stats.counts);

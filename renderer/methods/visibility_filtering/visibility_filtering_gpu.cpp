@@ -73,9 +73,9 @@ struct VisibilityFilteringGpu::State {
 
         const std::unique_ptr<LightDepthMapsGpu> depth_maps;  // null: nobody asks
         PointProxiesGpu proxies;
-        std::shared_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
-        std::optional<KeptListsGpu> kept;            // null: frames stand alone
-        std::optional<VisibilityListsGpu> lists;     // null: shadow rays tell
+        FrameOctreeGpu tree;
+        std::optional<KeptListsGpu> kept;         // null: frames stand alone
+        std::optional<VisibilityListsGpu> lists;  // null: shadow rays tell
         gpu::ComputePipeline gather, merge;
     };
 
@@ -112,10 +112,10 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, KeptVoxel
     : depth_maps(make_depth_maps(scene, params, stats)),
       proxies(scene, depth_maps.get(), state.frame.image().counters(), state.seed, params.proxies,
               params.glossy_threshold),
-      tree(
-          params.visibility == ProxyVisibility::Svo
-              ? make_octree(voxels, scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false, stats)
-              : nullptr),
+      tree(params.visibility == ProxyVisibility::Svo
+               ? FrameOctreeGpu(voxels, scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false,
+                                stats)
+               : FrameOctreeGpu()),
       gather(scene.device(), visibility_shader("gather.comp"), sizeof(gpu::ListsPush), &scene.set(),
              scene.specialization(std::vector{
                  gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
@@ -125,7 +125,6 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, KeptVoxel
                  gpu::specialize(PAPER_NORMALISATION_ID, params.normalisation == ListNormalisation::Paper)})),
       merge(scene.device(), visibility_shader("merge.comp"), 0, &scene.set(),
             scene.specialization(merge_constants(state.frame.image(), params))) {
-    if (tree) stats.counts.voxels += tree->voxel_count();
     if (state.frames.keeps())
         kept.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
                      state.frames);
@@ -276,12 +275,12 @@ void VisibilityFilteringGpu::begin(const RenderContext& context, Stats& stats) {
 void VisibilityFilteringGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     const StageTimer timer(stats, "indirect");
     State& state = *state_;
-    if (!state.frame.run(pass, stats, cancel)) return;
+    const auto grows = [&] { return state.lit && state.lit->tree.settle(stats); };
+    if (!state.frame.run_with_room(pass, stats, cancel, grows)) return;
     if (state.lit) {
         stats.counts.vpls += state.lit->proxies.count();
         stats.counts.nan_samples += state.lit->proxies.nan_count();
     }
-    state.frame.read(stats);
     if (state.lit && state.lit->kept) state.lit->kept->leave(frames_);
 }
 

@@ -27,7 +27,7 @@ float cover(vec3 low, float cell_m, int axis) {
 
 void main() {
     const uint brick = push.first + flat_index() / CONE_GROUP;
-    if (brick >= push.end) return;
+    if (brick >= push.end || brick_places[brick].x == NO_CONE_CELL) return;  // there is room for more than there are
     const uint bit = gl_LocalInvocationIndex;
     const ivec3 voxel = ivec3(bit & 3u, bit >> 2u & 3u, bit >> 4u) + ivec3(4u * brick_places[brick]);
     const uint cell = voxel_in_brick(brick, voxel);

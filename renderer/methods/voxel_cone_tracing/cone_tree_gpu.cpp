@@ -22,8 +22,8 @@ uint64_t table_words(uint32_t levels) {
 }  // namespace
 
 gpu::ConeTreeConstants ConeTreeGpu::constants() const {
-    const auto voxels = static_cast<uint32_t>(tree_->voxel_count()),
-               bricks = static_cast<uint32_t>(tree_->brick_count());
+    const auto voxels = static_cast<uint32_t>(tree_->room().voxels),
+               bricks = static_cast<uint32_t>(tree_->room().bricks);
     const uint32_t levels = tree_->host_constants().levels;
     return {.levels = levels,
             .first_half = voxels,
@@ -36,16 +36,30 @@ gpu::ConeTreeConstants ConeTreeGpu::constants() const {
 ConeTreeGpu::ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats,
                          KeptVoxels* kept)
     : scene_(scene),
-      tree_(make_octree(kept, scene, grid, true, stats)),
-      host_constants_(constants()),
-      constants_(gpu::make_buffer(scene.device(), kConeTree, std::span(&host_constants_, 1))),
-      table_(scene.device(), kConeTree, host_constants_.table_words * sizeof(uint32_t)),
-      cells_(scene.device(), kConeTree,
-             (host_constants_.first_node + std::max<uint64_t>(tree_->node_count(), 1)) * sizeof(gpu::ConeCell)),
-      by_voxel_(scene, most, host_constants_.voxels, cone_shader("cone_keys.comp"), 0),
+      most_(most),
+      tree_(kept, scene, grid, true, stats),
       light_voxels_(scene.device(), cone_shader("cone_leaves.comp"), 0),
       filter_(scene.device(), cone_shader("cone_filter.comp"), sizeof(gpu::ConeFilterPush)) {
+    make_cells(stats);
+}
+
+void ConeTreeGpu::make_cells(Stats& stats) {
+    gpu::Device& device = scene_.device();
+    by_voxel_.reset(), table_ = {}, cells_ = {};  // not both at once
+    host_constants_ = constants();
+    constants_ = gpu::make_buffer(device, kConeTree, std::span<const gpu::ConeTreeConstants>(&host_constants_, 1));
+    table_ = gpu::Buffer(device, kConeTree, host_constants_.table_words * sizeof(uint32_t));
+    cells_ =
+        gpu::Buffer(device, kConeTree,
+                    (host_constants_.first_node + std::max<uint64_t>(tree_->room().nodes, 1)) * sizeof(gpu::ConeCell));
+    by_voxel_.emplace(scene_, most_, host_constants_.voxels, cone_shader("cone_keys.comp"), 0u);
     find_places(stats);
+}
+
+bool ConeTreeGpu::settle(Stats& stats) {
+    const bool was_short = tree_.settle(stats);
+    if (was_short) make_cells(stats);
+    return was_short;
 }
 
 uint64_t ConeTreeGpu::guess_device_bytes(uint32_t resolution, uint32_t most, uint64_t triangles) {
@@ -71,7 +85,7 @@ void ConeTreeGpu::append_lit_to(std::vector<gpu::Binding>& bindings) {
 
 void ConeTreeGpu::find_places(Stats& stats) {
     gpu::Device& device = scene_.device();
-    const auto bricks = static_cast<uint32_t>(tree_->brick_count());
+    const auto bricks = static_cast<uint32_t>(tree_->room().bricks);
     const gpu::ComputePipeline find_cells(device, cone_shader("cone_table.comp"), 0);
     const gpu::ComputePipeline find_bricks(device, cone_shader("cone_places.comp"), 0);
     const gpu::ComputePipeline cover(device, cone_shader("cone_cover.comp"), sizeof(gpu::ConeCoverPush), &scene_.set(),
@@ -81,6 +95,7 @@ void ConeTreeGpu::find_places(Stats& stats) {
     {
         const gpu::Scope scope(commands, "svo_build");
         commands.fill(cells_, 0);
+        commands.fill(places, NO_CONE_CELL);
         commands.bind(find_cells, {gpu::read("cone_tree", constants_), gpu::read("svo_nodes", tree_->nodes()),
                                    gpu::write("cone_table", table_)});
         commands.dispatch_threads(host_constants_.table_words, CONE_GROUP);
@@ -114,10 +129,10 @@ void ConeTreeGpu::record(gpu::CommandList& commands, VplTracerGpu& photons) {
         const gpu::Scope scope(commands, "inject");
         std::vector<gpu::Binding> bindings;
         append_lit_to(bindings);
-        by_voxel_.record(commands, photons, bindings);
+        by_voxel_->record(commands, photons, bindings);
         bindings = tree;
         bindings.push_back(gpu::read_write("cone_cells", cells_));
-        by_voxel_.append_to(bindings, photons);
+        by_voxel_->append_to(bindings, photons);
         commands.bind(light_voxels_, bindings);
         commands.dispatch_threads(host_constants_.voxels, CONE_GROUP);
     }

@@ -10,12 +10,16 @@ namespace photond {
 
 class ConeTreeGpu {
 public:
-    /// Makes the tree and finds out how much of each voxel is covered; waits. `most`: photons of a pass. Borrows the
-    /// scene. Stages `voxelise`, `svo_build` and `svo_update`.
+    /// Makes the tree, and what there is room for: where the tree follows from a frame before, it may be under way.
+    /// Finds out how much of each voxel is covered; waits for that. `most`: photons of a pass. Borrows the scene.
+    /// Stages `voxelise`, `svo_build` and `svo_update`.
     ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, uint32_t most, Stats& stats,
                 KeptVoxels* kept = nullptr);
     /// Where nothing is known of the scene but its triangles' number.
     static uint64_t guess_device_bytes(uint32_t resolution, uint32_t most, uint64_t triangles);
+
+    /// FrameOctreeGpu::settle(): true where the pass has to be made again.
+    bool settle(Stats& stats);
 
     /// The light of a pass: scopes `inject` and `filter_up`.
     void record(gpu::CommandList& commands, VplTracerGpu& photons);
@@ -24,19 +28,20 @@ public:
     void append_lit_to(std::vector<gpu::Binding>& bindings);
     gpu::Buffer& cells() { return cells_; }  // ConeCell: voxels, eights of bricks, bricks, nodes
     const gpu::ConeTreeConstants& layout() const { return host_constants_; }
-    uint64_t voxels() const { return tree_->voxel_count(); }
 
 private:
     /// All of it but the cells.
     void append_to(std::vector<gpu::Binding>& bindings);
+    void make_cells(Stats& stats);
     void find_places(Stats& stats);
     gpu::ConeTreeConstants constants() const;
 
     const gpu::DeviceScene& scene_;
-    const std::shared_ptr<SparseVoxelOctreeGpu> tree_;
-    const gpu::ConeTreeConstants host_constants_;
+    const uint32_t most_;
+    FrameOctreeGpu tree_;
+    gpu::ConeTreeConstants host_constants_;
     gpu::Buffer constants_, table_, cells_;
-    PhotonsByCellGpu by_voxel_;
+    std::optional<PhotonsByCellGpu> by_voxel_;  // once there are cells
     gpu::ComputePipeline light_voxels_, filter_;
 };
 

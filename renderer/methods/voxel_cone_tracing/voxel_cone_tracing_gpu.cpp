@@ -64,7 +64,6 @@ struct VoxelConeTracingGpu::State {
         : params(p), frame(context, settings_of(p), stats) {
         if (!frame.lit()) return;
         lit.emplace(context, params, frame.frame().image(), stats);
-        stats.counts.voxels += lit->tree.voxels();
         frame.light_by([this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); });
     }
 
@@ -144,7 +143,8 @@ void VoxelConeTracingGpu::begin(const RenderContext& context, Stats& stats) {
 }
 
 void VoxelConeTracingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
-    state_->frame.run_pass(pass, stats, cancel);
+    State& state = *state_;
+    state.frame.run_pass(pass, stats, cancel, [&] { return state.lit && state.lit->tree.settle(stats); });
 }
 DeviceFrame& VoxelConeTracingGpu::frame() { return state_->frame.frame(); }
 

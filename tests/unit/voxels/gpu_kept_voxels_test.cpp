@@ -43,9 +43,12 @@ void expect_same(const std::vector<T>& a, const std::vector<T>& b, const char* w
 
 /// A scene on the device and what is kept of it.
 struct Theatre {
-    Scene scene = test::make_theatre();
+    explicit Theatre(Scene play = test::make_theatre()) : scene(std::move(play)) {}
+
+    Scene scene;
     gpu::DeviceScene device_scene{test::gpu_device(), scene};
     KeptVoxels kept;
+    int asked_again = 0;
 
     void pose(double time) {
         const SceneChange change = pose_scene(scene, {0, time});
@@ -58,11 +61,12 @@ struct Theatre {
     /// as it is.
     char follow(bool surfaces, const VoxelGrid& grid = kGrid) {
         Stats stats, unused;
-        const std::shared_ptr<SparseVoxelOctreeGpu> tree = make_octree(&kept, device_scene, grid, surfaces, stats);
+        FrameOctreeGpu tree(&kept, device_scene, grid, surfaces, stats);
+        if (tree.settle(stats)) ++asked_again;
         SparseVoxelOctreeGpu anew(device_scene, grid, surfaces);
         anew.build_now(unused);
         const double time = scene.moment.time_s;
-        const Bits a(*tree, surfaces), b(anew, surfaces);
+        const Bits a(*tree.get(), surfaces), b(anew, surfaces);
         expect_same(a.constants, b.constants, "constants", time);
         expect_same(a.nodes, b.nodes, "nodes", time);
         expect_same(a.bricks, b.bricks, "bricks", time);
@@ -116,6 +120,49 @@ TEST(KeptVoxelsGpu, AreOfAllThatCameToRest) {
     std::string ways;
     for (int i = 4; i < 19; ++i) ways += theatre.show({0.3 + 0.001 * i}, false);
     EXPECT_EQ(ways, "UUUUUUUUUUUUKUU");
+}
+
+/// A sphere that comes in, and takes many more voxels than the torus that it comes to.
+Scene make_arrival() {
+    Scene scene;
+    test::add(scene, MeshBuilder().torus(vec3(0), 0.4f, 0.1f, 64, 32).build(0), test::lambert(0.5f));
+    Rig rig;
+    auto sphere = std::make_shared<ObjectMesh>();
+    sphere->mesh = make_icosphere(2, static_cast<uint32_t>(scene.materials.size()));
+    scene.materials.push_back(test::lambert(0.5f));
+    const uint32_t node = add_node(rig, {});
+    add_rigged_mesh(scene, rig, sphere, node);
+    Animation animation;
+    animation.channels = {drive(Property::Translation, node, {0, 1}, {-9, 0, 0, 0, 0, 0})};
+    rig.animations.push_back(std::move(animation));
+    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
+    finish_scene(scene);
+    return scene;
+}
+
+// A frame does not wait to hear whether its tree has room. Where it had not, its pass is made again.
+TEST(KeptVoxelsGpu, AreAskedAgainWhereTheyOutgrewTheirRoom) {
+    for (const bool surfaces : {false, true}) {
+        Theatre theatre(make_arrival());
+        EXPECT_EQ(theatre.show({0, 0.01, 0.02, 0.03}, surfaces), "AAKU");
+        EXPECT_EQ(theatre.asked_again, 0);
+        EXPECT_EQ(theatre.show({0.9}, surfaces), "U");
+        EXPECT_EQ(theatre.asked_again, 1);
+        EXPECT_EQ(theatre.show({0.1, 0.95}, surfaces), "UU");
+        EXPECT_EQ(theatre.asked_again, 1) << "there is room now";
+    }
+}
+
+TEST(KeptVoxelsGpu, FollowFramesThatWereLeftBeforeTheirFirstPass) {
+    Theatre theatre(make_arrival());
+    EXPECT_EQ(theatre.show({0, 0.01, 0.02, 0.03}, true), "AAKU");
+    for (const double time : {0.85, 0.95}) {
+        theatre.pose(time);
+        Stats stats;
+        const FrameOctreeGpu left(&theatre.kept, theatre.device_scene, kGrid, true, stats);
+    }
+    EXPECT_EQ(theatre.show({0.95, 0.9}, true), "UU") << "whose time is told by who comes next";
+    EXPECT_EQ(theatre.asked_again, 0) << "no pass was made of what had no room";
 }
 
 TEST(KeptVoxelsGpu, AreNoneOfWhatIsStillAndOfNobody) {

@@ -94,7 +94,11 @@ TEST_P(GpuVoxelsShortOfRoom, Grow) {
         tree.record_build(commands);
         commands.submit();
         commands.wait();
-        if (!tree.grow_if_short()) {
+        const auto root = gpu::read_back<gpu::SvoNode>(test::gpu_device(), tree.nodes(), 8);
+        const bool is_empty = std::ranges::none_of(root, [](const gpu::SvoNode& n) { return n.info & SVO_FLAGGED; });
+        const bool was_short = tree.grow_if_short();
+        EXPECT_EQ(is_empty, was_short) << "nobody walks down to what there was no room for";
+        if (!was_short) {
             EXPECT_GT(builds, 1);
             break;
         }
