@@ -34,6 +34,10 @@ bool face(SurfacePoint& point, const vec3& towards_eye) {
     return true;
 }
 
+Ray centre_ray(const CameraRays& camera, size_t x, size_t y) {
+    return camera(vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f), vec2(0.5f));
+}
+
 bool shows_elsewhere(const Material& material) {
     return material.transmission > 0 || (material.metallic > kMirrorMetallic && material.roughness < kMirrorRoughness);
 }
@@ -106,35 +110,37 @@ private:
 
 }  // namespace
 
-Reprojected reproject(const RenderContext& context, const History* before, const PastPose* pose) {
-    const Scene& scene = context.scene;
+std::unique_ptr<HitsToCome> begin_centre_hits(const RenderContext& context) {
     const Size2 size = context.view.film_size;
-    Reprojected found{History(size), History(size), std::vector<Rejection>(size.pixels(), Rejection::Surface)};
-    found.now.camera = context.view.camera;
     const CameraRays camera(context.view.camera, size);
+    std::vector<Ray> rays(size.pixels());
+    parallel_for(size.height, 4, [&](size_t y) {
+        for (uint32_t x = 0; x < size.width; ++x) rays[y * size.width + x] = centre_ray(camera, x, y);
+    });
+    return context.intersector->begin_closest_hits(std::move(rays), Coherence::Coherent);
+}
+
+Reprojected reproject(const Scene& scene, const View& view, std::span<const Hit> hits, const History* before,
+                      const PastPose* pose) {
+    const Size2 size = view.film_size;
+    Reprojected found{History(size), History(size), std::vector<Rejection>(size.pixels(), Rejection::Surface)};
+    found.now.camera = view.camera;
+    const CameraRays camera(view.camera, size);
     std::optional<Lookup> lookup;
     if (before) lookup.emplace(*before);
-    parallel_for(size.height, 4, [&](size_t y) {
-        std::vector<Ray> rays(size.width);
-        std::vector<Hit> hits(size.width);
-        for (uint32_t x = 0; x < size.width; ++x)
-            rays[x] = camera(vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f), vec2(0.5f));
-        context.intersector->closest_hits(rays, hits, Coherence::Coherent);
-        for (uint32_t x = 0; x < size.width; ++x) {
-            const size_t at = y * size.width + x;
-            const Hit& hit = hits[x];
-            found.now.instance[at] = kNoHit;
-            if (!hit.valid()) continue;
-            const Instance& instance = scene.instances[hit.instance];
-            if (shows_elsewhere(scene.materials[scene.meshes[instance.mesh].material])) continue;
-            SurfacePoint point = point_of(world_triangle(scene, hit.instance, hit.triangle), hit);
-            if (!face(point, -rays[x].direction)) continue;
-            found.now.instance[at] = hit.instance;
-            found.now.position[at] = point.position, found.now.normal[at] = point.normal;
-            if (!lookup || !pose) continue;
-            const std::optional<TriangleCorners> was = pose->triangle(scene, hit.instance, hit.triangle);
-            if (was) found.rejection[at] = lookup->take(point_of(*was, hit), hit.instance, found.past, at);
-        }
+    parallel_for(size.pixels(), 1024, [&](size_t at) {
+        const Hit& hit = hits[at];
+        found.now.instance[at] = kNoHit;
+        if (!hit.valid()) return;
+        const Instance& instance = scene.instances[hit.instance];
+        if (shows_elsewhere(scene.materials[scene.meshes[instance.mesh].material])) return;
+        SurfacePoint point = point_of(world_triangle(scene, hit.instance, hit.triangle), hit);
+        if (!face(point, -centre_ray(camera, at % size.width, at / size.width).direction)) return;
+        found.now.instance[at] = hit.instance;
+        found.now.position[at] = point.position, found.now.normal[at] = point.normal;
+        if (!lookup || !pose) return;
+        const std::optional<TriangleCorners> was = pose->triangle(scene, hit.instance, hit.triangle);
+        if (was) found.rejection[at] = lookup->take(point_of(*was, hit), hit.instance, found.past, at);
     });
     return found;
 }

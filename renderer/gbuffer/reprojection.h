@@ -5,6 +5,7 @@
 #include "renderer/core/cancel.h"
 #include "renderer/frame/render_context.h"
 #include "renderer/gbuffer/history.h"
+#include "renderer/scene/intersector.h"
 #include "renderer/scene/past_pose.h"
 
 namespace photond {
@@ -25,12 +26,16 @@ struct Reprojected {
     static uint64_t bytes_for(Size2 size) { return 2 * History::bytes_for(size) + size.pixels(); }
 };
 
-/// Traces a ray through the middle of each pixel and of the lens. The point of the surface that it meets is followed
+/// Begins to trace a ray through the middle of each pixel and of the lens: the hits that reproject() takes.
+std::unique_ptr<HitsToCome> begin_centre_hits(const RenderContext& context);
+
+/// Takes the `hits` of rays through the pixels' middles. The point of the surface that it meets is followed
 /// back to where it was (`pose`; null: nothing has moved but what has a rig, of which nothing is known) and looked up
 /// in `before` between four pixels, of which those count whose surface is the same: the same instance, normals at most
 /// 25 degrees apart, and on its plane within a hundredth of the distance to the eye. Mirrors and glass show what lies
 /// elsewhere: nothing is taken over there. `before` null: there is no frame before. Parallel; the same for any number
 /// of threads.
-Reprojected reproject(const RenderContext& context, const History* before, const PastPose* pose);
+Reprojected reproject(const Scene& scene, const View& view, std::span<const Hit> hits, const History* before,
+                      const PastPose* pose);
 
 }  // namespace photond

@@ -40,7 +40,31 @@ struct TextsOfBoth {
 
 }  // namespace
 
-struct TemporalReprojection::Sums {
+struct TemporalReprojection::Frame {
+    Frame(const RenderContext& context, FrameBefore frame_before)
+        : scene(context.scene),
+          view(context.view),
+          before(std::move(frame_before)),
+          hits(begin_centre_hits(context)),
+          pixels(view.film_size.pixels()) {
+        if (!before.left.empty()) history = History::decode(before.left, view.film_size);
+        before.left.clear();
+    }
+
+    /// Where the frame before showed what this one shows, once its hits are there.
+    const Reprojected& reprojected() {
+        if (hits) {
+            found = reproject(scene, view, hits->take(), history ? &*history : nullptr, before.pose.get());
+            hits = nullptr, history = std::nullopt, before = {};
+        }
+        return found;
+    }
+
+    const Scene& scene;
+    const View view;
+    FrameBefore before;
+    std::optional<History> history;
+    std::unique_ptr<HitsToCome> hits;  // null: taken
     Reprojected found;
     std::vector<PixelSums> pixels;
     uint32_t passes = 0;
@@ -56,7 +80,7 @@ uint64_t TemporalReprojection::estimate_bytes(Size2 size) {
     // Beside what is kept: the frame before as text and as a history, and the windows' sums.
     constexpr uint64_t kWindowBytes = 80, kChangeBytes = 28;
     return Reprojected::bytes_for(size) + 2 * History::bytes_for(size) +
-           size.pixels() * (sizeof(PixelSums) + kWindowBytes + kChangeBytes);
+           size.pixels() * (sizeof(PixelSums) + kWindowBytes + kChangeBytes + sizeof(Ray) + sizeof(Hit));
 }
 
 void TemporalReprojection::follow(FrameBefore before) {
@@ -78,37 +102,39 @@ void TemporalReprojection::go_on_from(const std::string& state) {
 void TemporalReprojection::begin(const RenderContext& context, Stats& stats) {
     const Size2 size = context.view.film_size;
     context.budget.require(std::string(kStructureName), estimate_bytes(size));
-    method_->begin(context, stats);
-    const StageTimer timer(stats, "reprojection");
-    sums_ = std::make_unique<Sums>();
-    std::optional<History> before;
-    if (!before_.left.empty()) before = History::decode(before_.left, size);
-    sums_->found = reproject(context, before ? &*before : nullptr, before_.pose.get());
-    sums_->pixels.resize(size.pixels());
-    before_ = {};
+    {
+        const StageTimer timer(stats, "reprojection");
+        frame_ = std::make_unique<Frame>(context, std::exchange(before_, {}));
+    }
+    method_->begin(context, stats);  // the rays are under way
     context.budget.record(std::string(kStructureName),
-                          Reprojected::bytes_for(size) + sums_->pixels.size() * sizeof(PixelSums));
+                          Reprojected::bytes_for(size) + frame_->pixels.size() * sizeof(PixelSums));
     if (state_before_.empty()) return;
-    const size_t bytes = sums_->pixels.size() * sizeof(PixelSums);
+    const size_t bytes = frame_->pixels.size() * sizeof(PixelSums);
     const char* const at = state_before_.data() + followed_.size();
-    if (state_before_.size() != followed_.size() + sizeof sums_->passes + bytes)
+    if (state_before_.size() != followed_.size() + sizeof frame_->passes + bytes)
         throw Error(ErrorCode::Conflict, "the film to go on with is of another size");
-    std::memcpy(&sums_->passes, at, sizeof sums_->passes);
-    std::memcpy(sums_->pixels.data(), at + sizeof sums_->passes, bytes);
+    std::memcpy(&frame_->passes, at, sizeof frame_->passes);
+    std::memcpy(frame_->pixels.data(), at + sizeof frame_->passes, bytes);
     state_before_.clear();
 }
 
 void TemporalReprojection::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
-    sums_->pass_complete = false;
+    frame_->pass_complete = false;
+    method_->expect_pass(pass);  // a device begins the pass, and the host follows the points back meanwhile
+    {
+        const StageTimer timer(stats, "reprojection");
+        frame_->reprojected();
+    }
     method_->run_pass(pass, stats, cancel);
-    sums_->pass_complete = !cancel.cancelled();
+    frame_->pass_complete = !cancel.cancelled();
 }
 
 PassImage* TemporalReprojection::end_pass() {
     PassImage* image = method_->end_pass();
-    if (!image || !sums_->pass_complete) return nullptr;
-    sums_->pass_complete = false;
-    const Reprojected& found = sums_->found;
+    if (!image || !frame_->pass_complete) return nullptr;
+    frame_->pass_complete = false;
+    const Reprojected& found = frame_->reprojected();
     std::vector<Rgb>& indirect = image->of<Layer::Indirect>();
     const LightChange light = find_light_change(found, indirect);
     const LayerSet layers = image->layers;
@@ -119,7 +145,7 @@ PassImage* TemporalReprojection::end_pass() {
         const bool tells = is_finite(indirect[at]);
         const float own = has_history ? std::max(light.own_share[at], least_share) : 1, frames = 1 / own;
         if (has_history && tells) indirect[at] = glm::mix(found.past.indirect[at], indirect[at], own);
-        PixelSums& sums = sums_->pixels[at];
+        PixelSums& sums = frame_->pixels[at];
         sums.indirect += dvec3(tells ? indirect[at] : found.past.indirect[at]);
         sums.frames += tells ? frames : found.past.frames[at];
         sums.near_light += dvec3(light.near_light[at]), sums.near_step += dvec3(light.near_step[at]);
@@ -133,23 +159,23 @@ PassImage* TemporalReprojection::end_pass() {
         image->of<Layer::Rejected>()[at] = {found.rejection[at] == Rejection::Surface ? 1 : 0, 1 - std::min(kept, 1.0f),
                                             found.rejection[at] == Rejection::Outside ? 1 : 0};
     });
-    ++sums_->passes;
+    ++frame_->passes;
     return image;
 }
 
 std::string TemporalReprojection::state() const {
-    TextsOfBoth state{method_->state(), sums_ ? followed_ : state_before_};
-    if (sums_)
-        state.own.append(reinterpret_cast<const char*>(&sums_->passes), sizeof sums_->passes)
-            .append(reinterpret_cast<const char*>(sums_->pixels.data()), sums_->pixels.size() * sizeof(PixelSums));
+    TextsOfBoth state{method_->state(), frame_ ? followed_ : state_before_};
+    if (frame_)
+        state.own.append(reinterpret_cast<const char*>(&frame_->passes), sizeof frame_->passes)
+            .append(reinterpret_cast<const char*>(frame_->pixels.data()), frame_->pixels.size() * sizeof(PixelSums));
     return state.joined();
 }
 
 std::string TemporalReprojection::left_to_next() const {
-    History left = sums_->found.now;
-    const double scale = 1 / static_cast<double>(std::max(sums_->passes, 1u));
-    for (size_t at = 0; at < sums_->pixels.size(); ++at) {
-        const PixelSums& sums = sums_->pixels[at];
+    History left = frame_->reprojected().now;
+    const double scale = 1 / static_cast<double>(std::max(frame_->passes, 1u));
+    for (size_t at = 0; at < frame_->pixels.size(); ++at) {
+        const PixelSums& sums = frame_->pixels[at];
         left.indirect[at] = Rgb(scale * sums.indirect), left.frames[at] = static_cast<float>(scale * sums.frames);
         left.near_light[at] = Rgb(scale * sums.near_light), left.near_step[at] = Rgb(scale * sums.near_step);
         left.step_product[at] = static_cast<float>(scale * sums.step_product);

@@ -35,16 +35,18 @@ public:
 
     /// What it takes of the host's memory beside the method within.
     static uint64_t estimate_bytes(Size2 size);
+    /// And of a device's, where its rays are traced there.
+    static uint64_t estimate_device_bytes(Size2 size) { return size.pixels() * (sizeof(Ray) + sizeof(Hit)); }
 
 private:
-    struct Sums;
+    struct Frame;
 
     const std::unique_ptr<Method> method_;
     const uint32_t history_cap_;
     FrameBefore before_;
     std::string followed_ = std::string(64, '-');  // SHA-256 of what the frame before left
     std::string state_before_;
-    std::unique_ptr<Sums> sums_;  // once begun
+    std::unique_ptr<Frame> frame_;  // once begun
 };
 
 }  // namespace photond

@@ -42,9 +42,20 @@ const MethodInfo* find_method(std::string_view name) {
     return nullptr;
 }
 
+namespace {
+
+bool takes_light_over(const MethodInfo& method, const MethodParams& params) {
+    return method.temporal && method.temporal(params)->reuse != TemporalReuse::None;
+}
+
+}  // namespace
+
 uint64_t history_bytes(const MethodInfo& method, const MethodParams& params, Size2 film_size) {
-    const bool follows = method.temporal && method.temporal(params)->reuse != TemporalReuse::None;
-    return follows ? TemporalReprojection::estimate_bytes(film_size) : 0;
+    return takes_light_over(method, params) ? TemporalReprojection::estimate_bytes(film_size) : 0;
+}
+
+uint64_t history_device_bytes(const MethodInfo& method, const MethodParams& params, Size2 film_size) {
+    return takes_light_over(method, params) ? TemporalReprojection::estimate_device_bytes(film_size) : 0;
 }
 
 std::span<const ArtefactInfo> all_artefacts() {

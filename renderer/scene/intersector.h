@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "renderer/core/geometry.h"
 #include "renderer/core/memory_budget.h"
@@ -29,6 +30,14 @@ struct Hit {
 /// How alike the rays of a batch are; a hint for speed, never for the answer.
 enum class Coherence : uint8_t { Coherent, Incoherent };
 
+/// Closest hits of a batch that was begun. Its going waits.
+class HitsToCome {
+public:
+    virtual ~HitsToCome() = default;
+    /// Waits for them; asked once.
+    virtual std::vector<Hit> take() = 0;
+};
+
 /// Closest hit and occlusion against one scene. Masked texels are no surface; blended surfaces are hit or passed with
 /// their alpha as probability, decided by a hash of the ray and the triangle (so the answer is a pure function of the
 /// ray). Surfaces are hit from both sides. Thread-safe.
@@ -45,6 +54,10 @@ public:
     /// occluded.
     virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const = 0;
     virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const = 0;
+
+    /// closest_hits(), begun: where another device traces, the caller goes on meanwhile. All threads work on it
+    /// otherwise. It may not outlive the intersector, nor may the scene move before it is gone.
+    virtual std::unique_ptr<HitsToCome> begin_closest_hits(std::vector<Ray> rays, Coherence coherence) const;
 
     virtual uint64_t bytes() const = 0;
 };

@@ -114,13 +114,17 @@ Workload Estimates::workload_of(const JobRequest& request, const json& summary) 
 
 namespace {
 
-/// What a job holds to take over, and to leave to the next frame, and about what its film's file has of it.
-uint64_t history_bytes(const JobRequest& request) {
+using HistoryBytes = uint64_t (*)(const MethodInfo& method, const MethodParams& params, Size2 film_size);
+
+uint64_t bytes_of_history(const JobRequest& request, HistoryBytes bytes) {
     const MethodInfo* method = find_method(request.method.name);
     if (!method || !method->temporal) return 0;
     const std::unique_ptr<MethodParams> params = params_of(*method, request.method.parameters);
-    return history_bytes(*method, *params, {request.width, request.height});
+    return bytes(*method, *params, {request.width, request.height});
 }
+
+/// What a job holds to take over, and to leave to the next frame, and about what its film's file has of it.
+uint64_t history_bytes(const JobRequest& request) { return bytes_of_history(request, &photond::history_bytes); }
 
 }  // namespace
 
@@ -144,6 +148,7 @@ std::optional<uint64_t> Estimates::estimate_device_bytes(const JobRequest& reque
     const Workload workload = workload_of(request, *summary);
     return kDeviceTableBytes + kDeviceLightBytes * workload.lights + summary->value("memory_bytes", uint64_t{0}) +
            workload.environment_size.pixels() * sizeof(Rgb) +
+           bytes_of_history(request, &photond::history_device_bytes) +
            ask_method(request, workload, &MethodInfo::estimate_device_bytes);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/backends/gpu/trace_rays_shared.h"
@@ -35,13 +36,55 @@ struct DeviceIntersector::Batch {
     CommandList commands;
 };
 
+/// A submission for each kMostRays, so that whoever waits for the device's other work is not kept by all of them.
+class DeviceIntersector::HitsUnderWay final : public HitsToCome {
+public:
+    HitsUnderWay(const DeviceScene& scene, const ComputePipeline& closest, std::span<const Ray> rays)
+        : count_(rays.size()),
+          rays_(scene.device(), "ray_batches", std::max<uint64_t>(rays.size_bytes(), sizeof(Ray)), MemoryKind::Upload),
+          hits_(scene.device(), "ray_batches", std::max<uint64_t>(count_ * sizeof(Hit), sizeof(Hit)),
+                MemoryKind::Readback) {
+        if (!rays.empty()) std::memcpy(rays_.mapped(), rays.data(), rays.size_bytes());
+        for (size_t first = 0; first < count_; first += kMostRays) {
+            const size_t count = std::min(kMostRays, count_ - first);
+            Binding from = read("rays", rays_), to = write("hits", hits_);
+            from.offset = first * sizeof(Ray), from.bytes = count * sizeof(Ray);
+            to.offset = first * sizeof(Hit), to.bytes = count * sizeof(Hit);
+            CommandList& commands = lists_.emplace_back(scene.device());
+            commands.bind(closest, {from, to});
+            commands.push(TraceRaysPush{static_cast<uint32_t>(count)});
+            commands.dispatch_threads(count, TRACE_RAYS_GROUP);
+            commands.host_reads(hits_);
+            commands.submit();
+        }
+    }
+
+    std::vector<Hit> take() override {
+        for (CommandList& commands : lists_) commands.wait();
+        const std::span<const Hit> hits = hits_.as<const Hit>().first(count_);
+        return {hits.begin(), hits.end()};
+    }
+
+private:
+    static_assert(kMostRays * sizeof(Ray) % 256 == 0 && kMostRays * sizeof(Hit) % 256 == 0, "as bindings ask");
+
+    const size_t count_;
+    Buffer rays_, hits_;
+    std::deque<CommandList> lists_;  // last: their going waits for work that uses the others
+};
+
 DeviceIntersector::DeviceIntersector(const DeviceScene& scene) : scene_(scene) {}
 DeviceIntersector::~DeviceIntersector() = default;
 
+/// Under the mutex.
+DeviceIntersector::Batch& DeviceIntersector::batch() const {
+    if (!batch_) batch_ = std::make_unique<Batch>(scene_);
+    return *batch_;
+}
+
 /// Traces at most kMostRays; the answers are in batch_->hits.
 void DeviceIntersector::trace(std::span<const Ray> rays, bool any) const {
-    if (!batch_) batch_ = std::make_unique<Batch>(scene_);
-    Batch& batch = *batch_;
+    Batch& batch = this->batch();
     std::memcpy(batch.rays.mapped(), rays.data(), rays.size_bytes());
     batch.commands.reset();
     batch.commands.bind(any ? batch.any : batch.closest, {read("rays", batch.rays), write("hits", batch.hits)});
@@ -69,6 +112,11 @@ void DeviceIntersector::occluded(std::span<const Ray> rays, std::span<uint8_t> o
         const std::span<const Hit> answers = batch_->hits.as<const Hit>();
         for (size_t i = 0; i < count; ++i) occluded[first + i] = answers[i].valid() ? 1 : 0;
     }
+}
+
+std::unique_ptr<HitsToCome> DeviceIntersector::begin_closest_hits(std::vector<Ray> rays, Coherence) const {
+    const std::scoped_lock lock(mutex_);
+    return std::make_unique<HitsUnderWay>(scene_, batch().closest, rays);
 }
 
 Hit DeviceIntersector::closest_hit(const Ray& ray) const {

@@ -20,6 +20,9 @@ public:
     bool occluded(const Ray& ray) const override;
     void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override;
+    /// Submits them, before whatever is submitted next. Takes 48 bytes of the device's memory a ray until they are
+    /// taken.
+    std::unique_ptr<HitsToCome> begin_closest_hits(std::vector<Ray> rays, Coherence coherence) const override;
 
     /// Its buffers, once there are any; the rays' structure is the scene's.
     uint64_t bytes() const override;
@@ -28,7 +31,9 @@ public:
 
 private:
     struct Batch;
+    class HitsUnderWay;
 
+    Batch& batch() const;
     void trace(std::span<const Ray> rays, bool any) const;
 
     const DeviceScene& scene_;

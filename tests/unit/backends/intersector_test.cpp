@@ -279,6 +279,21 @@ TEST(Intersector, AnswersManyThreadsAlike) {
     EXPECT_EQ(different, 0);
 }
 
+TEST(Intersector, TakesWhatItBegan) {
+    const std::unique_ptr<Intersector> intersector = build(finished({triangle_soup(500, 0.3f, 9)}, {{}}));
+    for (const size_t count : {0, 1, 9000}) {
+        const std::vector<Ray> rays = random_rays(count, 3);
+        std::vector<Hit> expected(rays.size());
+        intersector->closest_hits(rays, expected, Coherence::Incoherent);
+        const std::vector<Hit> taken = intersector->begin_closest_hits(rays, Coherence::Incoherent)->take();
+        ASSERT_EQ(taken.size(), count);
+        for (size_t i = 0; i < count; ++i) {
+            ASSERT_EQ(taken[i].instance, expected[i].instance);
+            ASSERT_EQ(taken[i].t, expected[i].t);
+        }
+    }
+}
+
 TEST(Intersector, CountsItsBytesAndKeepsToTheBudget) {
     const Scene scene = finished({triangle_soup(20000, 0.1f, 4)}, {{}});
     Stats stats;

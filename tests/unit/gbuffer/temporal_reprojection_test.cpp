@@ -27,6 +27,10 @@ struct Shown {
           rays(make_embree_intersector(scene, budget, stats)),
           context{scene, rays.get(), {find_camera(scene, ""), size, PixelFilter::Box, layers}, 1, budget} {}
 
+    Reprojected reproject(const History* before, const PastPose* pose) const {
+        return photond::reproject(scene, context.view, begin_centre_hits(context)->take(), before, pose);
+    }
+
     const Scene& scene;
     MemoryBudget budget;
     Stats stats;
@@ -48,16 +52,16 @@ TEST(Reprojection, FindsTheSamePointsFromAnotherPlace) {
     const Scene scene = make_builtin_scene("cornell-box");
     Shown shown(scene);
     const PastPose pose(scene);
-    const Reprojected first = reproject(shown.context, nullptr, nullptr);
+    const Reprojected first = shown.reproject(nullptr, nullptr);
     EXPECT_EQ(first.past.frames, std::vector<float>(kSize.pixels(), 0));
     const History before = positions_as_light(first);
     // From the same place: the same pixels, bit for bit.
-    const Reprojected same = reproject(shown.context, &before, &pose);
+    const Reprojected same = shown.reproject(&before, &pose);
     EXPECT_EQ(same.past.indirect, before.indirect);
     // From another: between pixels of the image before, no farther off there than these are apart.
     const CameraRays camera_before(before.camera, kSize);
     shown.context.view.camera.position += vec3(0.3f, 0.1f, 0);
-    const Reprojected moved = reproject(shown.context, &before, &pose);
+    const Reprojected moved = shown.reproject(&before, &pose);
     size_t found = 0;
     for (size_t i = 0; i < kSize.pixels(); ++i) {
         if (moved.rejection[i] != Rejection::None) continue;
@@ -76,10 +80,10 @@ TEST(Reprojection, SaysWhatWasOutsideOfTheImage) {
     const PastPose pose(scene);
     Camera& camera = shown.context.view.camera;
     camera.position += 6.0f * camera.forward;  // into the room
-    const History before = positions_as_light(reproject(shown.context, nullptr, nullptr));
+    const History before = positions_as_light(shown.reproject(nullptr, nullptr));
     camera = look_at_camera(dvec3(camera.position), dvec3(camera.position + camera.forward + 0.15f * camera.right),
                             dvec3(camera.up), camera.yfov);
-    const Reprojected turned = reproject(shown.context, &before, &pose);
+    const Reprojected turned = shown.reproject(&before, &pose);
     const auto count = [&](Rejection why) { return std::count(turned.rejection.begin(), turned.rejection.end(), why); };
     EXPECT_GT(count(Rejection::Outside), 0);
     EXPECT_GT(count(Rejection::None), count(Rejection::Outside));
@@ -92,12 +96,12 @@ TEST(Reprojection, FollowsWhatMoves) {
     History before;
     {
         Shown shown(scene);
-        before = positions_as_light(reproject(shown.context, nullptr, nullptr));
+        before = positions_as_light(shown.reproject(nullptr, nullptr));
     }
     const PastPose then(scene);
     pose_scene(scene, {0, 0.6});
     Shown shown(scene);
-    const Reprojected found = reproject(shown.context, &before, &then);
+    const Reprojected found = shown.reproject(&before, &then);
     size_t of_block = 0, new_wall = 0;
     for (size_t i = 0; i < kSize.pixels(); ++i) {
         const uint32_t instance = found.now.instance[i];
@@ -123,8 +127,8 @@ TEST(Reprojection, TakesNothingOverInMirrorsAndGlass) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     Shown shown(scene);
     const PastPose pose(scene);
-    const History before = positions_as_light(reproject(shown.context, nullptr, nullptr));
-    const Reprojected found = reproject(shown.context, &before, &pose);
+    const History before = positions_as_light(shown.reproject(nullptr, nullptr));
+    const Reprojected found = shown.reproject(&before, &pose);
     const std::vector<Hit> hits = [&] {
         std::vector<Ray> rays;
         for (size_t i = 0; i < kSize.pixels(); ++i)
