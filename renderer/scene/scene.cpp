@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/nearest_name.h"
+#include "renderer/scene/inside_view.h"
 #include "renderer/scene/pose.h"
 #include "renderer/scene/touching_solids.h"
 #include "renderer/scene/triangle_lights.h"
@@ -27,9 +28,10 @@ Bounds3 world_bounds(const Scene& scene) {
 }
 
 /// Looks at the whole scene from the front, a little from above, so that its bounding sphere just fits the height: at
-/// rest by its bounds, of an animation the same at all its moments.
+/// rest by its bounds, of an animation the same at all its moments. A closed room is looked at from within.
 Camera framed_camera(const Scene& scene) {
     constexpr float kYfov = 0.7f;
+    if (scene.inside_view) return *scene.inside_view;
     const Bounds3& bounds = scene.posed && scene.posed->framing ? *scene.posed->framing : scene.bounds;
     const dvec3 centre = bounds.empty() ? dvec3(0) : dvec3(bounds.centre());
     double radius = bounds.radius();
@@ -62,7 +64,12 @@ void Scene::account(MemoryBudget& budget) const {
     if (environment) budget.record("environment_map", held_bytes(environment->map.radiance));
 }
 
-void finish_scene(Scene& scene) { finish_again(scene, true); }
+void finish_scene(Scene& scene) {
+    finish_again(scene, true);
+    if (!scene.cameras.empty()) return;
+    scene.inside_view = find_inside_view(scene);
+    if (scene.inside_view) scene.inside_view->name = "framed";
+}
 
 void finish_again(Scene& scene, bool other_materials) {
     scene.triangle_count = 0;

@@ -73,6 +73,7 @@ struct Scene {
     std::vector<TriangleLight> triangle_lights;
     Bounds3 bounds;  // world space less `origin`
     Needs needs;
+    std::optional<Camera> inside_view;  // at rest, where there is no camera and all is dark without: inside_view.h
     dvec3 origin{0};  // added to every position to get the file's coordinates; not 0 when the scene lies far away
     uint64_t triangle_count = 0;  // instances counted
     uint64_t vertex_count = 0;    // stored
@@ -89,7 +90,8 @@ void finish_scene(Scene& scene);
 /// the scene needs may follow.
 void finish_again(Scene& scene, bool other_materials);
 
-/// The camera of that name, the first camera when the name is empty, else one framed on the bounds. Of an animated
+/// The camera of that name, the first camera when the name is empty, else the inside view where there is one, else one
+/// framed on the bounds. Of an animated
 /// scene the first is the first that looks at rest, and bounds are those at rest and at some moments of the animation
 /// together (framing.h), so that both are the same at every moment. Throws ErrorCode::UnknownName, with the nearest
 /// known name, when there is none of that name, and ErrorCode::BadScene, at the node, when that is scaled to nothing at

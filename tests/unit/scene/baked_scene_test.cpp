@@ -92,9 +92,10 @@ auto fields(T& object) {
     } else if constexpr (kIs<T, Scene>) {
         // Of the file that a scene comes from, and not of the scene: what moves, file_bytes and warnings.
         auto& [name, meshes, instances, materials, textures, punctual_lights, cameras, environment, rig, posed, moment,
-               triangle_lights, bounds, needs, origin, triangle_count, vertex_count, file_bytes, warnings] = object;
+               triangle_lights, bounds, needs, inside_view, origin, triangle_count, vertex_count, file_bytes,
+               warnings] = object;
         return std::tie(name, meshes, instances, materials, textures, punctual_lights, cameras, environment,
-                        triangle_lights, bounds, needs, origin, triangle_count, vertex_count);
+                        triangle_lights, bounds, needs, inside_view, origin, triangle_count, vertex_count);
     } else {
         return std::tuple<>();
     }
