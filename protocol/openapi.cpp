@@ -306,6 +306,7 @@ json statistics_schema() {
     json pass_range = list_of(count());
     pass_range["minItems"] = pass_range["maxItems"] = 2;
     const json later{
+        {"warnings", with_text(list_of(typed("string")), "of a picture that is likely not what was wanted: all black")},
         {"left_out", left_out_list("kinds of path that its method, with its parameters, leaves out in this scene")},
         {"mergeable", nullable("boolean",
                                "whether its passes stand alone, so that its film can be merged with others; "

@@ -210,6 +210,9 @@ void print_statistics(std::ostream& out, const json& statistics) {
     print_memory(out, member(statistics, "memory"));
     print_origin(out, statistics);
     print_error_part(out, statistics);
+    const json warnings = member(statistics, "warnings");
+    if (warnings.is_array() && !warnings.empty()) out << '\n';
+    for (const json& warning : warnings) out << "  warning: " << plain_text(warning) << '\n';
 }
 
 }  // namespace photond::cli

@@ -258,6 +258,7 @@ void RenderJob::finish(const PassLoop::Result& result) {
     const uint64_t peak_bytes = meters_.peak.bytes();  // of the render; the rest is the runner's
     const std::optional<DeviceMemoryUse> on_device = device_memory();
     ErrorStatistics errors;
+    std::vector<std::string> warnings;
     if (film.passes() > 0 && !goes_on_elsewhere) {
         const size_t known_points = follower_->curve().size();
         ResolvedFilm resolved(film);
@@ -267,9 +268,14 @@ void RenderJob::finish(const PassLoop::Result& result) {
         const JobRequest& request = order_.request;
         errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back(),
                                   request.reference ? to_json(*request.reference) : json(nullptr), order_.reference);
+        if (std::ranges::all_of(resolved.pixels("beauty"), [](float value) { return value == 0; }))
+            warnings.push_back(
+                "every pixel is black: no light reaches what the camera sees; it may stand outside of a closed room, "
+                "face away from the scene, or the scene may have no light");
     }
     std::string pixel_hash;
-    for (const std::string& warning : errors.warnings) report_.log.push_back("warning: " + warning);
+    for (const auto* some : {&errors.warnings, &warnings})
+        for (const std::string& warning : *some) report_.log.push_back("warning: " + warning);
     report_.curve = to_json(follower_->curve());
     report_.error_now = follower_->error_now();
     if (film.passes() > 0) {
@@ -286,7 +292,7 @@ void RenderJob::finish(const PassLoop::Result& result) {
     report_.statistics =
         statistics_json({stats_, film, pixel_hash, budget_, ready_->scene.needs, device_, order_.request,
                          order_.source.id, result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
-                         saver_->identity().settings, resumed_passes_, &errors, on_device, clock});
+                         saver_->identity().settings, resumed_passes_, &errors, on_device, clock, warnings});
     report_.cores = core_use();
     report_.cores->derive(result.render_seconds, std::thread::hardware_concurrency());
     const Counts &all = stats_.counts, &before = counts_before_;

@@ -146,6 +146,7 @@ json statistics_json(const StatisticsInput& input) {
             {"least_glossy_alpha", std::isfinite(alpha) ? json(shortest_double(alpha)) : json()},
             {"left_out", left_out ? to_json(*left_out) : json()},
             {"skipped", skipped},
+            {"warnings", input.warnings},
             {"device",
              {{"id", input.device.id},
               {"name", input.device.name},

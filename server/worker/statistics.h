@@ -57,6 +57,7 @@ struct StatisticsInput {
     const ErrorStatistics* errors = nullptr;            // none: nothing was measured
     std::optional<DeviceMemoryUse> device_memory = {};  // none: on the CPU
     std::optional<ClockUse> clock = {};                 // none: of several jobs
+    std::vector<std::string> warnings = {};             // of the picture
 };
 
 nlohmann::json statistics_json(const StatisticsInput& input);

@@ -30,6 +30,13 @@ class JobsTest(DaemonTestCase):
             time.sleep(0.02)
         return job["id"]
 
+    def test_a_picture_that_is_all_black_says_so(self):
+        away = {"look_at": {"eye": [40, 40, 40], "target": [80, 80, 80]}}
+        black = self.daemon.run_job({**small_job(passes=1), "camera": away})
+        self.assertRegex(black["statistics"]["warnings"][0], "^every pixel is black: ")
+        self.assertIn("every pixel is black", self.daemon.request("GET", f"/v1/jobs/{black['id']}/log.txt").text)
+        self.assertEqual(self.daemon.run_job(small_job(passes=1))["statistics"]["warnings"], [])
+
     def test_runs_to_the_end(self):
         accepted = self.daemon.submit(small_job(passes=3, labels={"study": "a"}))
         self.assertEqual(accepted["state"], "queued")
