@@ -64,6 +64,12 @@ void add_dashboard_routes(std::vector<Route>& routes) {
     };
     const DashboardFile& page = require_file("/index.html");
     for (const char* pattern : kDashboardPages) add(pattern, [&page](Call& call) { return file_at(call, page); });
+    add("missing page", [&page](Call& call) {
+        Reply reply = file_at(call, page);
+        if (reply.status == 200) reply.status = 404;
+        return reply;
+    });
+    routes.back().missing_page = true;
     add("/favicon.svg", [](Call& call) { return file_at(call, require_file("/favicon.svg")); });
     add("/assets/{file}", [](Call& call) { return file_at(call, require_file("/assets/" + call.path_parameters[0])); });
 }

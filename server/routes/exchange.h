@@ -156,6 +156,7 @@ struct Route {
     Lane lane = Lane::Quick;
     std::optional<Lane> lane_of_json;      // of an upload that is JSON, where that is another
     bool open = false;                     // needs no token
+    bool missing_page = false;             // what a browser is shown where there is no page; its pattern is a name
     std::vector<std::string> media_types;  // of an upload
     std::function<Reply(Call&)> handle;    // throws Error
 };

@@ -52,6 +52,13 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
 
 bool is_read(const std::string& method) { return method == "GET" || method == "HEAD"; }
 
+/// Whether a browser opens it as a page, by what it says that it takes.
+bool wants_page(const RequestHead& head) {
+    const std::string* accept = head.header("accept");
+    return is_read(head.method) && !head.path.starts_with("/v1/") && accept != nullptr &&
+           accept->find("text/html") != std::string::npos;
+}
+
 }  // namespace
 
 Judge::Judge(JudgeSettings settings, const std::vector<Route>& routes, const TokenList* tokens)
@@ -111,7 +118,12 @@ void Judge::find_route(Exchange& exchange) const {
         parts.push_back(*decoded);
     }
     std::set<std::string> allowed;
+    const Route* missing_page = nullptr;
     for (const Route& route : routes_) {
+        if (route.missing_page) {
+            missing_page = &route;
+            continue;
+        }
         std::optional<std::vector<std::string>> values = match(route.pattern, parts);
         if (!values) continue;
         allowed.insert(route.method);
@@ -119,6 +131,10 @@ void Judge::find_route(Exchange& exchange) const {
         if (route.method != head.method && !(route.method == "GET" && head.method == "HEAD")) continue;
         exchange.route = &route;
         exchange.call.path_parameters = std::move(*values);
+        return;
+    }
+    if (allowed.empty() && missing_page && wants_page(head)) {
+        exchange.route = missing_page;
         return;
     }
     if (allowed.empty()) throw Error(ErrorCode::NotFound, "there is nothing at this path");

@@ -151,7 +151,7 @@ bool Attempts::waits_for_quiet(Slot& slot, const JobRow& row) {
     const json seconds = json::parse(row.request).value("quiet_machine", json());
     const auto now = SteadyClock::now();
     const bool begins = !slot.waiting || slot.waiting->seq != row.seq;
-    if (!seconds.is_number()) {
+    if (!seconds.is_number() || !(seconds.get<double>() > 0)) {
         slot.waiting.reset();
         return false;
     }

@@ -37,6 +37,17 @@ class DashboardPagesTest(DaemonTestCase):
         for path in ("/nothing", "/jobs/J17/more", "/assets/nothing.js", "/assets/..%2Findex.html"):
             self.assertEqual(self.daemon.request("GET", path).status, 404, path)
 
+    def test_a_browser_is_shown_a_page_where_there_is_none(self):
+        page = self.daemon.request("GET", "/").body
+        browser = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+        missing = self.daemon.request("GET", "/nowhere", headers=browser)
+        self.assertEqual((missing.status, missing.body), (404, page))
+        again = self.daemon.request("GET", "/no/where", headers={**browser, "If-None-Match": missing.headers["etag"]})
+        self.assertEqual(again.status, 304)
+        for method, path in (("GET", "/v1/nothing"), ("POST", "/nowhere")):
+            refused = self.daemon.request(method, path, headers=browser)
+            self.assertEqual((refused.status, refused.headers["content-type"]), (404, "application/problem+json"), path)
+
     def test_policy_permits_nothing_from_elsewhere(self):
         policy = self.daemon.request("GET", "/").headers["content-security-policy"]
         self.assertIn("default-src 'self'", policy)
