@@ -120,8 +120,9 @@ void add_status_rows(TextTable& table, const json& object, const std::string& pr
                     table.add_row({label, plain_text(value[i])});
             }
         } else if (value.is_number() && key.ends_with("bytes")) {
-            table.add_row(
-                {label.substr(0, label.size() - 5 - (key == "bytes" ? 0 : 1)), human_bytes(value.get<double>())});
+            // "store.bytes" is the store's, "peak_bytes" the peak.
+            const size_t unit = label.size() - std::string_view("bytes").size();
+            table.add_row({label.substr(0, unit > 0 ? unit - 1 : 0), human_bytes(value.get<double>())});
         } else if (value.is_number() && key.ends_with("_seconds")) {
             table.add_row({label.substr(0, label.size() - 8), human_seconds(value.get<double>())});
         } else {

@@ -134,7 +134,7 @@ void ComparisonProgressView::show(const json& comparison, const ComparisonProgre
     const std::string count = std::to_string(progress.done) + "/" + counted(progress.all, "job");
     const bool runs = progress.job.is_object() && progress.job.value("state", "") == "running";
     std::string now;
-    if (progress.job.is_object()) now = runs ? progress.name : progress.name + " waits";
+    if (progress.job.is_object()) now = runs ? progress.name : "next: " + progress.name;
     if (terminal_) {
         const double share = progress.job.is_object() ? number(progress.job, "progress") : 0;
         const double all = static_cast<double>(std::max<size_t>(progress.all, 1));

@@ -8,6 +8,7 @@
 #include "clients/cli/transfer.h"
 #include "clients/cli/units.h"
 #include "clients/cli/upload.h"
+#include "protocol/scene_families.h"
 
 namespace photond::cli {
 
@@ -98,8 +99,15 @@ ExitCode add_scenes(Session& session, const std::vector<std::string>& paths, con
     return ExitCode::Ok;
 }
 
-ExitCode list_scenes(Session& session, size_t limit) {
-    const std::vector<json> scenes = session.daemon().list("/v1/scenes", limit);
+std::string family_names() {
+    std::string names;
+    for (const std::string_view family : kSceneFamilies) names.append(names.empty() ? "" : ", ").append(family);
+    return names;
+}
+
+ExitCode list_scenes(Session& session, const std::string& family, size_t limit) {
+    const std::string path = "/v1/scenes" + (family.empty() ? "" : "?family=" + percent_encode(family));
+    const std::vector<json> scenes = session.daemon().list(path, limit);
     TextTable table({{"NAME"},
                      {"TRIANGLES", Align::Right},
                      {"TEXTURES", Align::Right},
@@ -118,7 +126,9 @@ ExitCode list_scenes(Session& session, size_t limit) {
              scene.value("builtin", false) || !bytes.is_number() ? "built in" : human_bytes(bytes.get<double>()),
              plain_text(scene.value("id", json()))});
     }
-    if (!session.json_output) table.print(std::cout);
+    if (session.json_output) return ExitCode::Ok;
+    table.print(std::cout);
+    if (family.empty()) session.remark("more built-in scenes by --family: " + family_names());
     return ExitCode::Ok;
 }
 
@@ -160,7 +170,7 @@ void add_scenes_commands(CLI::App& program, Session& session) {
 
     struct Options {
         std::vector<std::string> arguments;
-        std::string name, thumbnail;
+        std::string name, thumbnail, family;
         size_t limit = 1000;
     };
     const auto options = std::make_shared<Options>();
@@ -179,8 +189,11 @@ void add_scenes_commands(CLI::App& program, Session& session) {
 
     CLI::App* list = scenes->add_subcommand("list", "All scenes, newest first, and the built-in ones");
     list->add_option("--limit", options->limit, "at most this many")->type_name("INT")->capture_default_str();
-    list->callback(
-        [&session, options] { session.action = [&session, options] { return list_scenes(session, options->limit); }; });
+    list->add_option("--family", options->family, "built-in scenes of a family instead: " + family_names())
+        ->type_name("NAME");
+    list->callback([&session, options] {
+        session.action = [&session, options] { return list_scenes(session, options->family, options->limit); };
+    });
 
     CLI::App* show = scenes->add_subcommand("show", "What is in a scene, and what was wrong with it");
     show->add_option("scene", options->arguments, "id or name")->required()->expected(1)->type_name("SCENE");

@@ -1,8 +1,10 @@
 // photonctl sequence SCENE, and sequences list|show|watch|cancel|remove|fetch|errors
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/job_follower.h"
@@ -64,20 +66,44 @@ void add_frame_options(CLI::App& command, FrameOutputs& outputs) {
     command.add_flag("--png", outputs.png, "save previews, as 0000.png, instead");
 }
 
-/// Of the frames that have succeeded.
-void save_frames(Session& session, const json& sequence, const FrameOutputs& outputs) {
-    outputs.check();
-    size_t saved = 0;
-    for (const json& frame : sequence.at("frames")) {
-        if (frame.value("state", "") != "succeeded") continue;
-        char name[32];
-        std::snprintf(name, sizeof name, "%04d.%s", frame.at("frame").get<int>(), outputs.png ? "png" : "exr");
-        const std::string job = resource_path("jobs", frame.at("id").get<std::string>());
-        download(session, job + (outputs.png ? "/preview.png" : "/image.exr"),
-                 (std::filesystem::path(outputs.folder) / name).string());
-        ++saved;
+/// Saves frames as they come.
+class FrameSaver {
+public:
+    FrameSaver(Session& session, const std::string& id, const FrameOutputs& outputs)
+        : session_(session), id_(id), outputs_(outputs) {}
+
+    /// Those of a sequence that have succeeded and are not saved yet.
+    void save(const json& sequence) {
+        for (const json& frame : sequence.at("frames")) {
+            const int number = frame.at("frame").get<int>();
+            if (frame.value("state", "") != "succeeded" || !saved_.insert(number).second) continue;
+            char name[32];
+            std::snprintf(name, sizeof name, "%04d.%s", number, outputs_.png ? "png" : "exr");
+            const std::string job = resource_path("jobs", frame.at("id").get<std::string>());
+            download(session_, job + (outputs_.png ? "/preview.png" : "/image.exr"),
+                     (std::filesystem::path(outputs_.folder) / name).string());
+        }
     }
-    session.remark("saved " + counted(saved, "frame") + " in " + outputs.folder);
+    /// Looks for more of them where the summary says that there are, now and then.
+    void look(const json& summary) {
+        constexpr std::chrono::seconds kEvery{2};
+        const auto now = std::chrono::steady_clock::now();
+        if (now < next_ || frames_over(summary).first <= saved_.size()) return;
+        save(session_.daemon().get(resource_path("sequences", id_)));
+        next_ = std::chrono::steady_clock::now() + kEvery;
+    }
+    size_t saved() const { return saved_.size(); }
+
+private:
+    Session& session_;
+    const std::string id_;
+    const FrameOutputs& outputs_;
+    std::set<int> saved_;
+    std::chrono::steady_clock::time_point next_{};
+};
+
+void tell_saved(Session& session, const FrameSaver& saver, const FrameOutputs& outputs) {
+    session.remark("saved " + counted(saver.saved(), "frame") + " in " + outputs.folder);
 }
 
 void print_sequence(Session& session, const json& sequence) {
@@ -93,8 +119,11 @@ void print_sequence(Session& session, const json& sequence) {
 
 ExitCode finish_sequence(Session& session, const std::string& id, const WaitOptions& wait,
                          const FrameOutputs& outputs) {
-    const json sequence = wait_for_sequence(session, id, wait);
-    if (outputs.any()) save_frames(session, sequence, outputs);
+    FrameSaver saver(session, id, outputs);
+    const json sequence = wait_for_sequence(session, id, wait, [&](const json& summary) {
+        if (outputs.any()) saver.look(summary);
+    });
+    if (outputs.any()) saver.save(sequence), tell_saved(session, saver, outputs);
     if (session.json_output)
         session.print_json(sequence);
     else
@@ -115,8 +144,24 @@ json sequence_request(Session& session, const SequenceOptions& options, const Ca
     return request;
 }
 
+json estimate_sequence(Session& session, const json& request) {
+    return session.daemon().send("POST", "/v1/sequences?dry_run=true", request, Repeat::Safely);
+}
+
+/// Says before it is begun what will take long or much.
+void warn_of_large(Session& session, const json& request) {
+    constexpr double kLongSeconds = 120, kManyBytes = 1e9;
+    const json estimate = estimate_sequence(session, request), seconds = estimate.value("seconds", json());
+    const double bytes = estimate.at("disk_bytes").get<double>();
+    const bool is_long = seconds.is_number() && seconds.get<double>() > kLongSeconds;
+    if (!is_long && !(bytes > kManyBytes)) return;
+    session.remark(counted(estimate.at("frames").get<size_t>(), "frame") + ", " + human_bytes(bytes) + " of the disk" +
+                   (is_long ? ", about " + human_seconds(seconds.get<double>()) : "") +
+                   "; fewer by --fps and --to, smaller by --width and --height, sooner by --passes");
+}
+
 ExitCode print_sequence_estimate(Session& session, const json& request) {
-    const json estimate = session.daemon().send("POST", "/v1/sequences?dry_run=true", request, Repeat::Safely);
+    const json estimate = estimate_sequence(session, request);
     if (session.json_output) {
         session.print_json(estimate);
         return ExitCode::Ok;
@@ -137,6 +182,7 @@ ExitCode render_sequence(Session& session, const SequenceOptions& options, const
     options.outputs.check();
     const json request = sequence_request(session, options, known);
     if (options.dry_run) return print_sequence_estimate(session, request);
+    warn_of_large(session, request);
     const json accepted = submit(session, "/v1/sequences", request, options.request.idempotency_key);
     const std::string id = accepted.at("id").get<std::string>();
     if (!options.no_wait) return finish_sequence(session, id, options.wait, options.outputs);
@@ -203,7 +249,10 @@ ExitCode fetch_sequence(Session& session, const SequencesOptions& options) {
         if (!outputs.any()) return ExitCode::Ok;
     }
     if (!outputs.any()) outputs.folder = options.ids.front();
-    save_frames(session, session.daemon().get(resource_path("sequences", options.ids.front())), outputs);
+    outputs.check();
+    FrameSaver saver(session, options.ids.front(), outputs);
+    saver.save(session.daemon().get(resource_path("sequences", options.ids.front())));
+    tell_saved(session, saver, outputs);
     return ExitCode::Ok;
 }
 

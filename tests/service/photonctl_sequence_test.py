@@ -1,9 +1,11 @@
 """photonctl sequence and sequences: frames asked for, followed, saved, listed and removed."""
 
 import json
+import signal
 import unittest
 
 from photonctl_case import OK, REFUSED, USAGE, Case, cli
+from photond_daemon import deadline_after, wait_until
 
 
 def setUpModule():
@@ -31,6 +33,25 @@ class Sequences(Case):
         self.assertIn("3 of 3 frames", self.run_ok("sequences", "show", sequence["id"]).stdout)
         self.assertEqual(cli.run("sequences", "cancel", "--purge", sequence["id"]).returncode, OK)
         self.assertEqual(cli.run("sequences", "show", sequence["id"]).returncode, REFUSED)
+
+    def test_frames_are_saved_as_they_come(self):
+        frames = cli.folder / "coming"
+        process = cli.popen("sequence", "moving/teleport", "--width", "64", "--height", "64", "--passes", "4", "--to", "9", "--fps", "12",
+                            "-o", "coming")
+        try:
+            wait_until(lambda: list(frames.glob("*.exr")), "a frame to be saved", deadline_after())
+            self.assertIsNone(process.poll(), "the sequence is not over")
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.communicate()
+        newest = json.loads(self.run_ok("--json", "sequences", "list", "--limit", "1").stdout)
+        self.run_ok("sequences", "remove", newest["id"])
+
+    def test_what_is_large_is_said_before(self):
+        done = cli.run("sequence", "moving/teleport", "--width", "1920", "--height", "1080", "--passes", "1", "--frames", "40",
+                       "--fps", "20", "--no-wait")
+        self.assertRegex(done.stderr, r"40 frames, \d.* GB of the disk")
+        self.run_ok("sequences", "remove", done.stdout.strip())
 
     def test_a_turntable_and_parameters_of_the_method(self):
         done = self.run_ok("--json", "sequence", "cornell-box", *SMALL, "--frames", "2", "--turns", "0.1", "--eye", "0,2.7,3",

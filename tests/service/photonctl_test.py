@@ -309,6 +309,9 @@ class Scenes(Case):
         path = a_triangle(folder / "removed")
         [scene] = json_lines(self.run_ok("scenes", "add", path, "--name", "to-remove", "--json"))
         self.assertIn(scene["id"], {item["id"] for item in json_lines(self.run_ok("scenes", "list", "--json"))})
+        listed = self.run_ok("scenes", "list")
+        self.assertIn("by --family: hard-cases, ", listed.stderr)
+        self.assertIn("moving/cornell-box", self.run_ok("scenes", "list", "--family", "moving").stdout)
         self.assertIn(scene["id"], self.run_ok("scenes", "show", scene["id"]).stdout)
         self.run_ok("scenes", "remove", scene["id"])
         self.run_for(REFUSED, "scenes", "show", scene["id"])
@@ -407,7 +410,9 @@ class HelpAndChecks(Case):
         self.assertIn("indirect_bounces", self.run_ok("methods", "path_tracing").stdout)
         self.run_for(REFUSED, "methods", "path_trcing")
         self.assertEqual(json_lines(self.run_ok("devices", "--json")), daemon.request("GET", "/v1/devices").json["items"])
-        self.assertIn("version", self.run_ok("status").stdout)
+        status = self.run_ok("status").stdout
+        self.assertIn("version", status)
+        self.assertNotRegex(status, r"(?m)^\S*\.\s", "no label ends where a unit was")
 
 
 class Completion(Case):
