@@ -12,4 +12,6 @@ def needed(package: str, for_what: str) -> Any:
     try:
         return importlib.import_module(package)
     except ImportError as error:
-        raise MissingPackage(f"{for_what} needs {package.partition('.')[0]}, which is not installed") from error
+        name = package.partition(".")[0]
+        raise MissingPackage(f"{for_what} needs {name}, which is not installed: pip install {name}, "
+                             f"or on Debian apt install python3-{name}") from error
