@@ -73,7 +73,7 @@ const ComparePreset& compare_preset(const std::string& name) {
     std::string all;
     for (const ComparePreset& preset : compare_presets()) {
         if (preset.name == name) return preset;
-        all += (all.empty() ? "there is " : "; ") + std::string(preset.name) + ": " + std::string(preset.text);
+        all += (all.empty() ? "there is\n  " : "\n  ") + std::string(preset.name) + ": " + std::string(preset.text);
     }
     throw Failure(ExitCode::Usage, name == "help" ? "--preset wants a name" : "no preset is called " + printable(name),
                   all);
