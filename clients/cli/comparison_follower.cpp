@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <sstream>
 
 #include "clients/cli/compare_memory.h"
 #include "clients/cli/comparison_view.h"
@@ -137,8 +138,11 @@ void print_comparison(Session& session, const json& comparison) {
     const json request = comparison.value("request", json::object());
     const json image = request.value("image", json::object());
     std::cout << session.bold(plain_text(comparison.value("id", json()))) << ' ' << session.coloured_state(state, state)
-              << '\n';
+              << (request.value("title", json()).is_string() ? "  " + plain_text(request["title"]) : "") << '\n';
     TextTable table({{""}, {""}});
+    std::istringstream notes(request.value("notes", json()).is_string() ? request["notes"].get<std::string>() : "");
+    for (std::string line, label = "notes"; std::getline(notes, line); label.clear())
+        table.add_row({label, printable(line)});
     table.add_row({"scene", plain_text(request.value("scene", json())) + ", " +
                                 plain_text(image.value("width", json())) + " x " +
                                 plain_text(image.value("height", json()))});

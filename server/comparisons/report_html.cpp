@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "renderer/error/color_map.h"
 #include "server/comparisons/headline.h"
@@ -42,6 +43,12 @@ std::string form_text(const json& reference) {
            ": its own noise is part of every error.";
 }
 
+/// What people have said of the comparison; empty where they have not.
+std::string said(const json& request, const char* what) {
+    const auto found = request.find(what);
+    return found != request.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
 std::string header(const Report& report) {
     const json& comparison = report.comparison;
     const json& request = comparison.at("request");
@@ -50,7 +57,12 @@ std::string header(const Report& report) {
         labels += (labels.empty() ? "" : " · ") + escaped(plain(entry["label"]));
     std::string seeds;
     for (const json& seed : request["seeds"]) seeds += (seeds.empty() ? "" : ", ") + plain(seed);
-    std::string html = "<header><h1>" + escaped(plain(request["scene"])) + ": " + labels + "</h1>\n";
+    const std::string what = escaped(plain(request["scene"])) + ": " + labels, title = said(request, "title");
+    std::string html = "<header><h1>" + (title.empty() ? what : escaped(title)) + "</h1>\n";
+    if (!title.empty()) html += paragraph(what);
+    std::istringstream notes(said(request, "notes"));
+    for (std::string line; std::getline(notes, line);)
+        if (!line.empty()) html += paragraph(escaped(line), "notes");
     html += paragraph("Comparison " + escaped(plain(comparison["id"])) + " of " +
                       std::to_string(comparison["jobs"].size()) + " jobs, " + plain(request["image"]["width"]) + " × " +
                       plain(request["image"]["height"]) + " pixels, seed" + (request["seeds"].size() > 1 ? "s " : " ") +
@@ -367,8 +379,9 @@ std::string report_html(const Report& report) {
     html +=
         "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "
         "building and measuring are outside. Errors as photond's conventions define them.</footer>\n";
-    const std::string title =
-        plain(report.comparison.at("request")["scene"]) + ": comparison " + plain(report.comparison.at("id"));
+    const json& request = report.comparison.at("request");
+    const std::string name = said(request, "title"), title = (name.empty() ? plain(request["scene"]) : name) +
+                                                             ": comparison " + plain(report.comparison.at("id"));
     return report_page(title, report.table.rows.size(), html);
 }
 

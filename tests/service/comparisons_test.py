@@ -185,6 +185,13 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
             self.assertEqual(remarks(), ("Which is sooner", "one\n\ttwo"))
             self.assertEqual(change({"title": "Another"}).json["request"]["title"], "Another")
             self.assertEqual(remarks(), ("Another", "one\n\ttwo"), "what is not named stays")
+            wait_for(daemon, asked["id"])
+            page = daemon.request("GET", f"{path}/report.html").text
+            self.assertIn("<h1>Another</h1>", page)
+            self.assertIn('<p class="notes">one</p>', page)
+            self.assertEqual(change({"title": "<b> & so on"}).status, 200)
+            self.assertIn("<h1>&lt;b&gt; &amp; so on</h1>", daemon.request("GET", f"{path}/report.html").text)
+            self.assertEqual(change({"title": "Another"}).status, 200)
             for fault in ({"title": "two\nlines"}, {"title": ""}, {"title": "x" * 201}, {"notes": "\u0007"}, {"notes": 1},
                           {"titel": "x"}):
                 reply = change(fault)

@@ -68,6 +68,16 @@ class Comparison(JobGroup):
         return [Job.fetch(self._client, id) for id in self.job_ids]
 
     @property
+    def title(self) -> Optional[str]:
+        """What somebody calls it."""
+        return cast(Optional[str], self.request.get("title"))
+
+    @property
+    def notes(self) -> Optional[str]:
+        """What somebody notes of it, in lines."""
+        return cast(Optional[str], self.request.get("notes"))
+
+    @property
     def reference(self) -> Optional[Json]:
         """The jobs or the image all is measured against (`form`: two_films, film or image; `jobs`), its state, and its own
         noise (`error`)."""
@@ -254,7 +264,8 @@ class Comparison(JobGroup):
 
     def __repr__(self) -> str:
         image = self.request["image"]
-        return (f"<Comparison {self.id} {self.state}: {self.request['scene']}, {image['width']} x {image['height']}, "
+        named = f" \"{self.title}\"" if self.title else ""
+        return (f"<Comparison {self.id}{named} {self.state}: {self.request['scene']}, {image['width']} x {image['height']}, "
                 f"{counted(len(self.request['entries']), 'entry', 'entries')}>")
 
     def _repr_html_(self) -> Optional[str]:
