@@ -49,7 +49,7 @@ public:
         : std::runtime_error(message), code(ExitCode::Refused), problem(std::move(document)) {}
 
     const ExitCode code;
-    const std::string hint;                  // one line, may be empty
+    const std::string hint;                  // a line, or a list below one; may be empty
     const nlohmann::json problem = nullptr;  // application/problem+json, null where there is none
 };
 

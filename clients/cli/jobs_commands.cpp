@@ -1,6 +1,7 @@
 // photonctl jobs list|show|watch|cancel|remove|priority|retry|repeat|extend|fetch
 
 #include <iostream>
+#include <map>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/job_view.h"
@@ -31,7 +32,32 @@ std::string text_of(const json& object, const char* key) {
     return object.is_object() && object.contains(key) ? plain_text(object[key]) : "-";
 }
 
-void add_job_row(TextTable& table, const json& job) {
+/// What uploaded scenes are called that jobs have by their ids; a scene that is gone keeps its id. Each is asked for
+/// once.
+class SceneNames {
+public:
+    explicit SceneNames(DaemonClient& daemon) : daemon_(daemon) {}
+
+    std::string of(const std::string& scene) {
+        constexpr size_t kIdLength = 32;
+        if (scene.size() != kIdLength || scene.find_first_not_of("0123456789abcdef") != std::string::npos) return scene;
+        const auto [known, is_new] = names_.try_emplace(scene, scene);
+        if (!is_new) return known->second;
+        try {
+            const std::string name = daemon_.get(resource_path("scenes", scene)).value("name", "");
+            if (!name.empty()) known->second = printable(name);
+        } catch (const Failure& failure) {
+            if (failure.code != ExitCode::Refused) throw;
+        }
+        return known->second;
+    }
+
+private:
+    DaemonClient& daemon_;
+    std::map<std::string, std::string> names_;
+};
+
+void add_job_row(TextTable& table, const json& job, SceneNames& scenes) {
     const json request = job.value("request", json::object());
     const json image = request.value("image", json::object());
     const json method = request.value("method", json::object());
@@ -39,7 +65,7 @@ void add_job_row(TextTable& table, const json& job) {
     const json seconds = job.value("seconds", json());
     table.add_row({text_of(job, "id"), text_of(job, "state"),
                    progress.is_number() ? human_number(double(int(progress.get<double>() * 100))) + " %" : "-",
-                   text_of(request, "scene"), text_of(method, "name"),
+                   scenes.of(text_of(request, "scene")), text_of(method, "name"),
                    text_of(image, "width") + "x" + text_of(image, "height"), text_of(job, "passes_done"),
                    seconds.is_number() ? human_seconds(seconds.get<double>()) : "-",
                    human_time(job.value("created", json()))});
@@ -59,11 +85,12 @@ ExitCode list_jobs(Session& session, const JobsOptions& options) {
                      {"PASSES", Align::Right},
                      {"RENDERED", Align::Right},
                      {"CREATED (UTC)"}});
+    SceneNames scenes(session.daemon());
     for (const json& job : session.daemon().list("/v1/jobs" + query, options.limit)) {
         if (session.json_output)
             session.print_json(job);
         else
-            add_job_row(table, job);
+            add_job_row(table, job, scenes);
     }
     if (!session.json_output) table.print(std::cout);
     return ExitCode::Ok;

@@ -313,7 +313,10 @@ class Scenes(Case):
         self.assertIn("by --family: hard-cases, ", listed.stderr)
         self.assertIn("moving/cornell-box", self.run_ok("scenes", "list", "--family", "moving").stdout)
         self.assertIn(scene["id"], self.run_ok("scenes", "show", scene["id"]).stdout)
+        self.run_ok("render", path, "--width", "8", "--height", "8", "--passes", "1", "--label", "named=1")
+        self.assertIn(f" {scene['name']} ", self.run_ok("jobs", "list", "--label", "named=1").stdout)
         self.run_ok("scenes", "remove", scene["id"])
+        self.assertIn(f" {scene['id']} ", self.run_ok("jobs", "list", "--label", "named=1").stdout, "its name went with it")
         self.run_for(REFUSED, "scenes", "show", scene["id"])
         self.run_for(REFUSED, "scenes", "remove", scene["id"])
 
