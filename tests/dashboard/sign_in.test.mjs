@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, test } from "node:test";
 
-import { axeClean, bin, eventually, kPatienceMs, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, bin, eventually, fitsItsWidth, kPatienceMs, kTelephone, openPage, shoot, startDaemon } from "./support.mjs";
 
 const folder = mkdtempSync(join(tmpdir(), "photond-tokens-"));
 after(() => rmSync(folder, { recursive: true, force: true }));
@@ -59,4 +59,31 @@ test("a token that is to stay does, and is forgotten when one signs out", async 
   await second.getByRole("button", { name: "Sign out" }).click();
   await field(second).waitFor();
   await eventually(async () => assert.equal(await second.evaluate(() => localStorage.getItem("photond.token")), null));
+});
+
+test("on a telephone all that the bar has is within reach, and it leaves the room its place", async () => {
+  const page = await openPage(daemon, "/jobs", { ...kTelephone, expected: kRefused });
+  await field(page).fill(token);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await shown(page);
+  await fitsItsWidth(page);
+  const bar = page.locator(".bar");
+  assert.ok((await bar.boundingBox()).height <= 100);
+  await page.getByRole("button", { name: "Menu" }).click();
+  for (const place of await bar.locator("a, button").all()) {
+    const { x, width, height } = await place.boundingBox();
+    assert.ok(x >= 0 && x + width <= kTelephone.width, await place.innerText());
+    assert.ok(width >= 32 && height >= 32, `${await place.innerText()} is ${width} by ${height}`);
+  }
+  await axeClean(page);
+  await shoot(page, "telephone-menu");
+  await page.getByRole("link", { name: "Scenes", exact: true }).click();
+  await page.waitForURL("**/scenes");
+  await page.getByRole("link", { name: "Sequences" }).waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: "Menu" }).click();
+  await page.keyboard.press("Escape");
+  await page.getByRole("link", { name: "Sequences" }).waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: "Menu" }).click();
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await field(page).waitFor();
 });

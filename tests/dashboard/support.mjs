@@ -195,16 +195,20 @@ export function browser() {
   return started;
 }
 
+/** Options of openPage(). */
+export const kTelephone = { width: 390, height: 844, finger: true };
+
 const WAITING_PICTURE = /status of 503.*\/scenes\/[^/]+\/(thumbnail|preview)\.png/;
 
 /**
  * A page of the dashboard, closed with the test that opens it, else with the file. What the browser complains of (an exception, a console error, a violated content security
  * policy, a file that is not there) is in page.complaints, and axeClean() and expectNoComplaints() fail by it. `expected`: a pattern of
  * complaints that belong to the test, such as of requests that are to be refused. A scene's picture that waits for a running job
- * (503, which the page asks for again) belongs to every test: the console names each.
+ * (503, which the page asks for again) belongs to every test: the console names each. `finger`: of a device on which a
+ * finger points and nothing hovers.
  */
-export async function openPage(daemon, path = "/", { width = 1440, height = 900, theme = "light", expected = null } = {}) {
-  const context = await (await browser()).newContext({ viewport: { width, height }, colorScheme: theme, reducedMotion: "reduce", acceptDownloads: true });
+export async function openPage(daemon, path = "/", { width = 1440, height = 900, theme = "light", expected = null, finger = false } = {}) {
+  const context = await (await browser()).newContext({ viewport: { width, height }, colorScheme: theme, reducedMotion: "reduce", acceptDownloads: true, hasTouch: finger, isMobile: finger });
   ofTest?.push(context);
   await context.grantPermissions(["clipboard-read", "clipboard-write"], { origin: daemon.url });
   const page = await context.newPage();

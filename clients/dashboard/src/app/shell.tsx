@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { useLocation } from "preact-iso";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { connection, daemonStatus } from "../api/events";
 import { signOut } from "../api/shared";
@@ -61,26 +61,48 @@ function Navigation() {
   );
 }
 
-export function Shell({ children }: { children: ComponentChildren }) {
-  if (needsToken.value)
-    return (
-      <main id="room" class="narrow">
-        <SignIn />
-      </main>
-    );
+/** Whether the menu is open that a narrow window has in the place of a row of rooms; whatever one does elsewhere closes it. */
+function useMenu() {
+  const [open, setOpen] = useState(false);
+  const bar = useRef<HTMLElement>(null);
+  useEffect(() => {
+    if (!open) return;
+    const close = () => setOpen(false);
+    const elsewhere = (event: Event) => bar.current?.contains(event.target as Node) || close();
+    const escape = (event: KeyboardEvent) => event.key === "Escape" && close();
+    document.addEventListener("pointerdown", elsewhere);
+    document.addEventListener("focusin", elsewhere);
+    document.addEventListener("keydown", escape);
+    return () => {
+      document.removeEventListener("pointerdown", elsewhere);
+      document.removeEventListener("focusin", elsewhere);
+      document.removeEventListener("keydown", escape);
+    };
+  }, [open]);
+  return { open, setOpen, bar };
+}
+
+function Bar() {
+  const { open, setOpen, bar } = useMenu();
   return (
-    <>
-      <a class="skip" href="#room">
-        Skip to the content
+    <header class="bar" ref={bar}>
+      <a class="brand" href="/" aria-label="photond, what it does now">
+        <img src="/favicon.svg" width="24" height="24" alt="" />
+        photond
       </a>
-      <header class="bar">
-        <a class="brand" href="/" aria-label="photond, what it does now">
-          <img src="/favicon.svg" width="24" height="24" alt="" />
-          photond
-        </a>
+      <Health />
+      <button class="bar-menu" aria-expanded={open} aria-controls="bar-more" onClick={() => setOpen(!open)}>
+        Menu
+      </button>
+      <div
+        id="bar-more"
+        class={open ? "bar-more open" : "bar-more"}
+        onClick={(event) => {
+          if ((event.target as Element).closest("a, .bar-leaves")) setOpen(false);
+        }}
+      >
         <Navigation />
         <div class="bar-end">
-          <Health />
           <a class="button" href="/render">
             Render
           </a>
@@ -95,11 +117,28 @@ export function Shell({ children }: { children: ComponentChildren }) {
               Sign out
             </button>
           )}
-          <button class="quiet" onClick={showKeys} aria-label="Keys" title="Keys (?)">
+          <button class="quiet bar-leaves" onClick={showKeys} aria-label="Keys" title="Keys (?)">
             ?
           </button>
         </div>
-      </header>
+      </div>
+    </header>
+  );
+}
+
+export function Shell({ children }: { children: ComponentChildren }) {
+  if (needsToken.value)
+    return (
+      <main id="room" class="narrow">
+        <SignIn />
+      </main>
+    );
+  return (
+    <>
+      <a class="skip" href="#room">
+        Skip to the content
+      </a>
+      <Bar />
       <main id="room">{children}</main>
       <footer class="about">
         photond {daemonStatus.value?.version} · everything here is there{" "}
