@@ -1,19 +1,25 @@
-// Every page at the width of a desk and of a telephone: nothing is wider than the window, and no column is cut off.
+// Every page at the width of a desk and of a telephone: nothing is wider than the window, no column is cut off, and a finger
+// hits what it is to hit.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { eventually, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { eventually, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { tinyGlb } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon();
 const reference = await daemon.run(smallJob({ stop: { passes: 16 }, labels: { study: "a-label-that-is-rather-long-for-a-column" } }));
 const job = await daemon.run(smallJob({ reference: `job:${reference.id}`, stop: { passes: 8 }, layers: ["normal", "depth"] }));
+const uploaded = await fetch(`${daemon.url}/v1/scenes?name=two-squares`, { method: "POST", headers: { "Content-Type": "model/gltf-binary" }, body: tinyGlb() }).then((answer) => answer.json());
+await daemon.run(smallJob({ scene: uploaded.id }));
+const sequence = await daemon.json("POST", "/v1/sequences", { scene: "moving/teleport", image: { width: 32, height: 32 }, method: { name: "stochastic_progressive_photon_mapping" }, stop: { passes: 1 }, to: 0.25, fps: 4 });
 const study = await daemon.json("POST", "/v1/comparisons", {
   scene: "cornell-box",
   image: { width: 32, height: 32 },
   reference: { method: { name: "path_tracing" }, stop: { passes: 32 } },
   entries: [
     { label: "paths", method: { name: "path_tracing" } },
+    { label: "paths again", method: { name: "path_tracing" } }, // at the same place of every figure
     { label: "stochastic progressive photon mapping, few photons", method: { name: "stochastic_progressive_photon_mapping", parameters: { photons: 1000 } } },
   ],
   stop: { passes: 4 },
@@ -32,7 +38,8 @@ const kPages = {
   study: [`/studies/${study.id}`, ".scroll-x table"],
   "new-study": ["/studies/new", ".new-study-entry"],
   "hard-cases": ["/studies/hard-cases", "h1"],
-  sequences: ["/sequences", "h1"],
+  sequences: ["/sequences", "td.records-what"],
+  sequence: [`/sequences/${sequence.id}`, ".sequence-frame img"],
   scenes: ["/scenes", ".scenes-card img"],
   scene: ["/scenes/cornell-box", ".scene-picture img"],
   api: ["/api", ".api-operation"],
@@ -67,10 +74,10 @@ const kCut = () => {
 
 for (const [name, [path, shown]] of Object.entries(kPages))
   test(`${name} fits a desk and a telephone`, async () => {
-    for (const [place, width, height] of [["desk", 1440, 900], ["telephone", 390, 844]]) {
-      const page = await openPage(daemon, path, { width, height });
+    for (const [place, window] of [["desk", { width: 1440, height: 900 }], ["telephone", kTelephone]]) {
+      const page = await openPage(daemon, path, window);
       await page.locator(shown).first().waitFor();
-      await eventually(async () => assert.deepEqual(await page.evaluate(kCut), [], `${path} at ${width}`));
+      await eventually(async () => assert.deepEqual(await page.evaluate(kCut), [], `${path} on a ${place}`));
       await shoot(page, `width-${name}-${place}`, { fullPage: true });
       expectNoComplaints(page);
     }
@@ -85,4 +92,19 @@ test("a table too wide for a telephone is scrolled within itself, by keys too", 
     assert.equal(await scroller.evaluate((element) => element.tabIndex), 0, await scroller.innerText());
   }
   expectNoComplaints(page);
+});
+
+test("lists are cards on a telephone, with nothing of them out of sight", async () => {
+  for (const [path, shown] of [kPages.studies, kPages.sequences]) {
+    const page = await openPage(daemon, path, kTelephone);
+    await page.locator(shown).first().waitFor();
+    await fitsItsWidth(page);
+    for (const cell of await page.locator(".records td").all()) {
+      const { x, width } = await cell.boundingBox();
+      assert.ok(x >= 0 && x + width <= kTelephone.width, `${path}: ${await cell.innerText()}`);
+    }
+    const { width } = await page.locator("td.records-what").first().boundingBox();
+    assert.ok(width > 300, `what it is has ${width} pixels`);
+    expectNoComplaints(page);
+  }
 });

@@ -8,6 +8,7 @@ import { listen } from "../api/events";
 import { isOver, type Page, type SequenceSummary } from "../api/types";
 import { Title } from "../app/title";
 import { percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
+import { RecordTable, type RecordColumn } from "../ui/record_table";
 import { useRemote } from "../ui/remote";
 import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
@@ -15,36 +16,39 @@ import { StateMark } from "../ui/state";
 const kMost = 200;
 const kSoonMs = 1000;
 
-function Row({ sequence }: { sequence: SequenceSummary }) {
+const kColumns: RecordColumn[] = [
+  { title: "Sequence", part: "id" },
+  { title: "Scene", part: "what" },
+  { title: "State", part: "state" },
+  { title: "Frames", part: "figure", number: true },
+  { title: "Each ends at", part: "figure" },
+  { title: "Asked for", part: "when" },
+];
+
+function cellsOf(sequence: SequenceSummary) {
   const { request } = sequence;
-  return (
-    <tr>
-      <td>
-        <a href={`/sequences/${sequence.id}`}>{sequence.id}</a>
-      </td>
-      <td>
-        {sceneName(request.scene)}
-        <small class="muted sequences-more">
-          {plainName(request.method.name)} · {sizeText(request.image)}
-        </small>
-      </td>
-      <td>
-        <StateMark state={sequence.state} />
-        {!isOver(sequence.state) && (
-          <small class="muted">
-            {" "}
-            {percentText(sequence.progress)}
-            {sequence.seconds_left !== null && `, ${secondsText(sequence.seconds_left)} left`}
-          </small>
-        )}
-      </td>
-      <td class="number">
-        {sequence.job_states.succeeded} of {request.frames}
-      </td>
-      <td>{stopText(request.stop)}</td>
-      <td>{timeText(sequence.created)}</td>
-    </tr>
-  );
+  return [
+    <a href={`/sequences/${sequence.id}`}>{sequence.id}</a>,
+    <>
+      {sceneName(request.scene)}
+      <small class="muted">
+        {plainName(request.method.name)} · {sizeText(request.image)}
+      </small>
+    </>,
+    <>
+      <StateMark state={sequence.state} />
+      {!isOver(sequence.state) && (
+        <span class="muted small">
+          {" "}
+          {percentText(sequence.progress)}
+          {sequence.seconds_left !== null && `, ${secondsText(sequence.seconds_left)} left`}
+        </span>
+      )}
+    </>,
+    `${sequence.job_states.succeeded} of ${request.frames}`,
+    stopText(request.stop),
+    timeText(sequence.created),
+  ];
 }
 
 export function Sequences() {
@@ -79,24 +83,8 @@ export function Sequences() {
         </div>
       )}
       {data && data.items.length > 0 && (
-        <div class="panel scroll-x" tabIndex={0} role="group" aria-label="Sequences">
-          <table>
-            <thead>
-              <tr>
-                <th scope="col">Sequence</th>
-                <th scope="col">Scene</th>
-                <th scope="col">State</th>
-                <th scope="col" class="number">Frames</th>
-                <th scope="col">Each ends at</th>
-                <th scope="col">Asked for</th>
-              </tr>
-            </thead>
-            <tbody>
-              {data.items.map((sequence) => (
-                <Row key={sequence.id} sequence={sequence} />
-              ))}
-            </tbody>
-          </table>
+        <div class="panel">
+          <RecordTable label="Sequences" columns={kColumns} rows={data.items.map((sequence) => ({ id: sequence.id, cells: cellsOf(sequence) }))} />
         </div>
       )}
     </>

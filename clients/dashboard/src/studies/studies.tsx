@@ -10,6 +10,7 @@ import { isOver, type Comparison, type ComparisonSummary, type Page } from "../a
 import { Title } from "../app/title";
 import { percentText, plainName, sizeText, stopText, timeText } from "../ui/format";
 import { useSeen } from "../ui/picture";
+import { RecordTable, type RecordColumn } from "../ui/record_table";
 import { useRemote } from "../ui/remote";
 import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
@@ -33,38 +34,43 @@ function Finding({ id }: { id: string }) {
 const entriesText = (request: ComparisonSummary["request"]): string =>
   request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ");
 
-function Row({ study }: { study: ComparisonSummary }) {
+const kColumns: RecordColumn[] = [
+  { title: "Study", part: "id" },
+  { title: "Entries and scene", part: "what" },
+  { title: "State", part: "state" },
+  { title: "Each job ends at", part: "figure" },
+  { title: "Seeds", part: "figure", number: true },
+  { title: "Jobs", part: "figure", number: true },
+  { title: "Asked for", part: "when" },
+];
+
+function cellsOf(study: ComparisonSummary) {
   const { request } = study;
-  const jobs = Object.values(study.job_states).reduce((sum, count) => sum + count, 0);
-  return (
-    <tr>
-      <td>
-        <a href={`/studies/${study.id}`}>{study.id}</a>
-      </td>
-      <td>
-        <a class="studies-name" href={`/studies/${study.id}`}>
-          {request.title ?? entriesText(request)}
-        </a>
-        <small class="muted">
-          {request.title && `${entriesText(request)} · `}
-          {sceneName(request.scene)} · {sizeText(request.image)}
+  return [
+    <a href={`/studies/${study.id}`}>{study.id}</a>,
+    <>
+      <a class="studies-name" href={`/studies/${study.id}`}>
+        {request.title ?? entriesText(request)}
+      </a>
+      <small class="muted">
+        {request.title && `${entriesText(request)} · `}
+        {sceneName(request.scene)} · {sizeText(request.image)}
+      </small>
+      {study.state === "succeeded" && <Finding id={study.id} />}
+    </>,
+    <>
+      <StateMark state={study.state} />
+      {!isOver(study.state) && (
+        <small class="studies-progress">
+          <progress value={study.progress} max={1} aria-label={`Progress of ${study.id}`} /> {percentText(study.progress)}
         </small>
-        {study.state === "succeeded" && <Finding id={study.id} />}
-      </td>
-      <td>
-        <StateMark state={study.state} />
-        {!isOver(study.state) && (
-          <small class="studies-progress">
-            <progress value={study.progress} max={1} aria-label={`Progress of ${study.id}`} /> {percentText(study.progress)}
-          </small>
-        )}
-      </td>
-      <td>{stopText(request.stop)}</td>
-      <td class="number">{request.seeds.length}</td>
-      <td class="number">{jobs}</td>
-      <td>{timeText(study.created)}</td>
-    </tr>
-  );
+      )}
+    </>,
+    stopText(request.stop),
+    request.seeds.length,
+    Object.values(study.job_states).reduce((sum, count) => sum + count, 0),
+    timeText(study.created),
+  ];
 }
 
 function Empty() {
@@ -130,25 +136,8 @@ export function Studies() {
       )}
       {first.data && items.length === 0 && <Empty />}
       {items.length > 0 && (
-        <div class="panel scroll-x" tabIndex={0} role="group" aria-label="Comparisons">
-          <table>
-            <thead>
-              <tr>
-                <th scope="col">Study</th>
-                <th scope="col">Entries and scene</th>
-                <th scope="col">State</th>
-                <th scope="col">Each job ends at</th>
-                <th scope="col" class="number">Seeds</th>
-                <th scope="col" class="number">Jobs</th>
-                <th scope="col">Asked for</th>
-              </tr>
-            </thead>
-            <tbody>
-              {items.map((study) => (
-                <Row key={study.id} study={study} />
-              ))}
-            </tbody>
-          </table>
+        <div class="panel">
+          <RecordTable label="Comparisons" columns={kColumns} rows={items.map((study) => ({ id: study.id, cells: cellsOf(study) }))} />
           {next && (
             <p class="studies-more">
               <button onClick={() => void more()}>Older ones</button>
