@@ -108,3 +108,16 @@ test("lists are cards on a telephone, with nothing of them out of sight", async 
     expectNoComplaints(page);
   }
 });
+
+test("the images to add are named by their scenes, each within its card", async () => {
+  const page = await openPage(daemon, "/compare", kTelephone);
+  await page.getByRole("button", { name: "Choose images …" }).click();
+  const dialog = page.getByRole("dialog", { name: "Add images" });
+  await dialog.getByText("two-squares, 48 × 48").waitFor();
+  assert.equal(await dialog.getByText(uploaded.id).count(), 0);
+  await dialog.getByLabel("Of the newest jobs").fill("two-squares");
+  await eventually(async () => assert.equal(await dialog.locator("li").count(), 1));
+  for (const card of await dialog.locator("li").all()) assert.ok(await card.evaluate((element) => element.scrollWidth <= element.clientWidth));
+  await shoot(page, "telephone-add-images");
+  expectNoComplaints(page);
+});

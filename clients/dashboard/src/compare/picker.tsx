@@ -7,6 +7,7 @@ import { Dialog } from "../ui/dialog";
 import { plainName, secondsText, sizeText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
+import { sceneName } from "../ui/scene_names";
 import { kMaxImages, sourceOfText } from "./look";
 import { passesText } from "./sources";
 import { kAccepted } from "./uploads";
@@ -36,7 +37,7 @@ export function Picker({ images, size, onAdd, onFiles, onClose }: PickerProps) {
   const room = kMaxImages - images.length - chosen.length;
   const words = wanted.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = (jobs.data?.items ?? []).filter((job) => {
-    const text = `${job.id} ${job.scene} ${plainName(job.method)} ${sizeText(job)} ${Object.values(job.labels).join(" ")}`.toLowerCase();
+    const text = `${job.id} ${job.scene} ${sceneName(job.scene)} ${plainName(job.method)} ${sizeText(job)} ${Object.values(job.labels).join(" ")}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
   const typedSource = sourceOfText(typed);
@@ -90,7 +91,7 @@ export function Picker({ images, size, onAdd, onFiles, onClose }: PickerProps) {
                     <span>
                       <b>{jobText(job)}</b>
                       <span class="small muted">
-                        {job.scene}, {sizeText(job)}
+                        {sceneName(job.scene)}, {sizeText(job)}
                         {otherSize && " (another size)"}
                       </span>
                       <span class="small muted">

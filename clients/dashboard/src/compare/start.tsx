@@ -2,6 +2,7 @@
 
 import { sizeText } from "../ui/format";
 import { Picture } from "../ui/picture";
+import { sceneName } from "../ui/scene_names";
 import { jobGroups } from "./job_groups";
 import { FileButton, jobFacts, jobText, useNewestJobs } from "./picker";
 
@@ -38,9 +39,9 @@ export function Start({ onPick, onFiles }: { onPick: () => void; onFiles: (files
             {groups.map((group) => (
               <article key={group.key} class="panel compare-group">
                 <header class="row">
-                  <h3>{group.scene}</h3>
+                  <h3>{sceneName(group.scene)}</h3>
                   <span class="muted small">{sizeText(group)}</span>
-                  <a class="button" href={`/compare?images=${group.jobs.map((job) => `job:${job.id}`).join(",")}`} aria-label={`Compare these ${group.jobs.length} images of ${group.scene}, ${sizeText(group)}`}>
+                  <a class="button" href={`/compare?images=${group.jobs.map((job) => `job:${job.id}`).join(",")}`} aria-label={`Compare these ${group.jobs.length} images of ${sceneName(group.scene)}, ${sizeText(group)}`}>
                     Compare these {group.jobs.length}
                   </a>
                 </header>

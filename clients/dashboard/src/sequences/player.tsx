@@ -1,7 +1,8 @@
 // One sequence's frame at the time that all players share.
 
 import type { Sequence, SequenceFrame } from "../api/types";
-import { sizeText } from "../ui/format";
+import { plainName, sizeText } from "../ui/format";
+import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
 import { frameAt } from "./clock";
 import { useFramePictures } from "./frame_pictures";
@@ -34,7 +35,7 @@ export function Player({ sequence, seconds }: { sequence: Sequence; seconds: num
         </span>
         <StateMark state={frame.state} />
         <span class="muted">
-          {sequence.request.scene} · {sequence.request.method.name} · {sizeText(image)}
+          {sceneName(sequence.request.scene)} · {plainName(sequence.request.method.name)} · {sizeText(image)}
         </span>
       </figcaption>
     </figure>

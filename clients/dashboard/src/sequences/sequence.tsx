@@ -11,7 +11,7 @@ import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
 import { ActionButton } from "../ui/action_button";
-import { percentText, secondsText, stopText } from "../ui/format";
+import { percentText, plainName, secondsText, stopText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { sceneName } from "../ui/scene_names";
 import { StateMark } from "../ui/state";
@@ -51,7 +51,7 @@ function Beside({ of, chosen, choose }: { of: Sequence; chosen: string; choose: 
           .filter((other) => other.id !== of.id)
           .map((other) => (
             <option key={other.id} value={other.id}>
-              {other.id}: {sceneName(other.request.scene)}, {other.request.method.name}
+              {other.id}: {sceneName(other.request.scene)}, {plainName(other.request.method.name)}
             </option>
           ))}
       </select>
