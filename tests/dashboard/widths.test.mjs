@@ -121,3 +121,11 @@ test("the images to add are named by their scenes, each within its card", async 
   await shoot(page, "telephone-add-images");
   expectNoComplaints(page);
 });
+
+test("the pictures to compare come first on a telephone", async () => {
+  const page = await openPage(daemon, kPages.compare[0], kTelephone);
+  await page.locator(kPages.compare[1]).first().waitFor();
+  const { y } = await page.locator(".compare-stage").boundingBox();
+  assert.ok(y < 350, `they begin at ${y}`);
+  expectNoComplaints(page);
+});
