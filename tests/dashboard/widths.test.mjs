@@ -129,3 +129,24 @@ test("the pictures to compare come first on a telephone", async () => {
   assert.ok(y < 350, `they begin at ${y}`);
   expectNoComplaints(page);
 });
+
+test("no name in a figure lies over another, and a table says that there is more of it", async () => {
+  const page = await openPage(daemon, kPages.study[0], kTelephone);
+  await page.getByRole("img", { name: "relative_mse at the end against peak memory", exact: true }).locator("svg").waitFor();
+  const covered = await page.evaluate(() => {
+    const found = [];
+    for (const figure of document.querySelectorAll(".study-plot-holder > svg")) {
+      const texts = [...figure.querySelectorAll("text")].map((text) => ({ text: text.textContent, box: text.getBoundingClientRect() }));
+      for (const [i, { text, box }] of texts.entries())
+        for (const other of texts.slice(i + 1))
+          // A font's box is higher than its letters.
+          if (box.left < other.box.right && other.box.left < box.right && box.top + 4 < other.box.bottom && other.box.top + 4 < box.bottom) found.push(`${text} / ${other.text}`);
+    }
+    return found;
+  });
+  assert.deepEqual(covered, []);
+  const scrolled = await page.locator(".scroll-x").evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => getComputedStyle(one).backgroundAttachment));
+  assert.ok(scrolled.length > 0);
+  for (const attachment of scrolled) assert.equal(attachment, "local, local, scroll, scroll");
+  expectNoComplaints(page);
+});

@@ -1,6 +1,7 @@
 // A figure on two logarithmic axes, as SVG. All looks are presentation attributes: a file of it needs no style sheet, and
 // the page's policy permits none.
 
+import { labelPlaces } from "./label_places";
 import { kBoundSymbol } from "./symbols";
 
 const kSvg = "http://www.w3.org/2000/svg";
@@ -72,6 +73,10 @@ const kMargins = { left: 64, right: 20, top: 24, bottom: 44 };
 const kFontSize = 12;
 const kNoteSize = 11;
 const kTick = 4;
+const kNameHeight = 15;
+
+/** As wide as the widest of the fonts that the page may be shown in. */
+const textWidth = (text: string): number => 0.6 * kFontSize * text.length;
 
 export class LogFigure {
   readonly svg: SVGElement;
@@ -108,7 +113,10 @@ export class LogFigure {
     this.add("path", { d: `M${left} ${top}H${right}V${bottom}H${left}Z${ticks.join("")}`, fill: "none", stroke: grid });
     const marks = [...xs.map(({ place }) => `M${place} ${bottom}v${kTick}`), ...ys.map(({ place }) => `M${left} ${place}h${-kTick}`)];
     this.add("path", { d: marks.join(""), stroke: muted });
-    for (const { place, text } of xs) this.add("text", { x: place, y: bottom + 17, fill: muted, "text-anchor": "middle" }, text);
+    // As many as have room beside each other.
+    const gap = Math.min(...xs.slice(1).map(({ place }, i) => place - xs[i]!.place));
+    const every = xs.length > 1 ? Math.ceil(Math.max(...xs.map(({ text }) => textWidth(text))) / gap) : 1;
+    for (const { place, text } of xs.filter((_, i) => i % every === 0)) this.add("text", { x: place, y: bottom + 17, fill: muted, "text-anchor": "middle" }, text);
     for (const { place, text } of ys) this.add("text", { x: left - 8, y: place + 4, fill: muted, "text-anchor": "end" }, text);
     this.add("text", { x: width - kMargins.right, y: height - 6, fill: muted, "text-anchor": "end" }, xText.label);
     this.add("text", { x: 4, y: 14, fill: muted }, yText.label);
@@ -150,6 +158,28 @@ export class LogFigure {
   /** Where no more is known than that it is below. */
   bound(point: FigurePoint, colour: string): void {
     this.mark(point, kBoundSymbol, 1, { fill: "none", stroke: colour, "stroke-width": 1.6 });
+  }
+
+  /** Names of points, none over another. */
+  names(points: (FigurePoint & { text: string })[], attributes: Attributes): void {
+    const [[left, right], [bottom, top]] = [this.x.range, this.y.range];
+    const width = right - left;
+    const places = points.map(({ x, y }) => ({ x: this.x.at(x), y: this.y.at(y) }));
+    const widths = points.map(({ text }) => textWidth(text));
+    const boxes = labelPlaces(places, widths, kNameHeight, { x: left, y: top, width, height: bottom - top });
+    points.forEach(({ text }, i) => {
+      const box = boxes[i]!;
+      // A name that is wider than the figure is narrowed to it.
+      const narrowed = widths[i]! > width ? { textLength: width, lengthAdjust: "spacingAndGlyphs" } : {};
+      this.add("text", { x: box.x, y: box.y + kFontSize - 1, ...narrowed, ...attributes }, text);
+      const { x, y } = places[i]!;
+      const middle = box.y + kNameHeight / 2;
+      // Where it stands higher or lower than its point, a line leads to it.
+      if (Math.abs(middle - y) > kNameHeight / 2) {
+        const end = Math.min(Math.max(x, box.x), box.x + box.width);
+        this.add("path", { d: `M${x} ${y}L${end} ${middle < y ? box.y + kNameHeight : box.y}`, stroke: this.look.muted, "stroke-width": 0.75 });
+      }
+    });
   }
 
   note(point: FigurePoint, offset: [x: number, y: number], text: string, attributes: Attributes): void {

@@ -130,8 +130,10 @@ export function memoryPlot(metric: string, points: MemoryPoint[], look: PlotLook
     const { colour, symbol } = seriesLook(point.row, look.dark);
     if (point.isBound) figure.bound(at(point), colour);
     else figure.symbol(at(point), kSymbols[symbol], colour, 1.5);
-    const right = Math.log(point.bytes / x[0]) / Math.log(x[1] / x[0]) > 0.6;
-    figure.note(at(point), [right ? -11 : 11, 4], point.name, { fill: inks.text, "text-anchor": right ? "end" : "start" });
   }
+  figure.names(
+    points.map((point) => ({ ...at(point), text: point.name })),
+    { fill: inks.text },
+  );
   return figure;
 }
