@@ -72,12 +72,20 @@ const kCut = () => {
   return wide > 0 ? [`the page scrolls sideways by ${wide}`, ...found] : found;
 };
 
+/** What one taps and is less than 32 pixels wide or high. A link within a text is as high as its line. */
+const kSmall = () =>
+  [...document.querySelectorAll("button, .button, select, summary, nav a, td > a:only-child, .room-actions > a, .jobs-box, .jobs-job a, .job-compare")]
+    .map((element) => ({ element, box: element.getBoundingClientRect() }))
+    .filter(({ element, box }) => box.width > 0 && !element.closest(".visually-hidden") && (box.width < 32 || box.height < 32))
+    .map(({ element, box }) => `${box.width} by ${box.height}: ${element.tagName} ${element.className} ${element.textContent.trim().slice(0, 30)}`);
+
 for (const [name, [path, shown]] of Object.entries(kPages))
   test(`${name} fits a desk and a telephone`, async () => {
     for (const [place, window] of [["desk", { width: 1440, height: 900 }], ["telephone", kTelephone]]) {
       const page = await openPage(daemon, path, window);
       await page.locator(shown).first().waitFor();
       await eventually(async () => assert.deepEqual(await page.evaluate(kCut), [], `${path} on a ${place}`));
+      if (place === "telephone") assert.deepEqual(await page.evaluate(kSmall), [], path);
       await shoot(page, `width-${name}-${place}`, { fullPage: true });
       expectNoComplaints(page);
     }
@@ -148,5 +156,33 @@ test("no name in a figure lies over another, and a table says that there is more
   const scrolled = await page.locator(".scroll-x").evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => getComputedStyle(one).backgroundAttachment));
   assert.ok(scrolled.length > 0);
   for (const attachment of scrolled) assert.equal(attachment, "local, local, scroll, scroll");
+  expectNoComplaints(page);
+});
+
+test("a box of the list of jobs is picked anywhere in its cell", async () => {
+  const page = await openPage(daemon, "/jobs", kTelephone);
+  const cell = page.locator(".jobs-space .jobs-pick").first();
+  const { width, height } = await cell.boundingBox();
+  await cell.click({ position: { x: width / 2, y: height - 6 } });
+  await page.getByText("1 job selected").waitFor();
+  await cell.click({ position: { x: width / 2, y: height / 2 } });
+  await page.getByText("1 job selected").waitFor({ state: "detached" });
+  expectNoComplaints(page);
+});
+
+test("a job's log begins with a whole line, and its figures are in one line each", async () => {
+  const page = await openPage(daemon, kPages.job[0], kTelephone);
+  const log = page.locator(".job-log");
+  await log.getByText("succeeded").waitFor();
+  const { top, line, room, whole } = await log.evaluate((element) => ({
+    top: element.scrollTop,
+    line: parseFloat(getComputedStyle(element).lineHeight),
+    room: element.clientHeight,
+    whole: element.scrollHeight,
+  }));
+  assert.ok(whole > room, "the log is longer than its box");
+  assert.ok(Math.abs(top - (whole - room)) < 2, "its end is shown");
+  assert.equal(Math.round(top) % line, 0);
+  for (const figure of await page.locator(".job-table td.number").all()) assert.equal(await figure.evaluate((element) => getComputedStyle(element).whiteSpace), "nowrap");
   expectNoComplaints(page);
 });

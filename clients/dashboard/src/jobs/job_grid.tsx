@@ -137,14 +137,16 @@ export function JobGrid({ list, selection, active, onShift, onTop, onPoint, onPi
         {kColumns.map(({ name, title, number }, index) => (
           <span key={name} role="columnheader" aria-colindex={index + 1} class={`jobs-cell jobs-${name}${number ? " number" : ""}`}>
             {name === "pick" ? (
-              <input
-                type="checkbox"
-                tabIndex={-1}
-                checked={selection.all}
-                disabled={total === 0}
-                aria-label="Select all that match"
-                onClick={onPickAll}
-              />
+              <label class="jobs-box">
+                <input
+                  type="checkbox"
+                  tabIndex={-1}
+                  checked={selection.all}
+                  disabled={total === 0}
+                  aria-label="Select all that match"
+                  onClick={onPickAll}
+                />
+              </label>
             ) : (
               title
             )}

@@ -126,25 +126,27 @@ export class JobRow extends Component<Props> {
         style={{ transform: `translateY(${top}px)` }}
         onClick={(event) => {
           // A link and a box do what they do; elsewhere a click points at the row, with Shift it picks up to it.
-          if (event.target instanceof Element && event.target.closest("a, input")) return;
+          if (event.target instanceof Element && event.target.closest("a, label")) return;
           if (event.shiftKey) onPick(place, true);
           else onPoint(place);
         }}
       >
         <span role="gridcell" aria-colindex={1} class="jobs-cell jobs-pick">
-          <input
-            type="checkbox"
-            tabIndex={-1}
-            checked={selected}
-            disabled={!job}
-            aria-label={job ? `Select ${job.id}` : "Loading"}
-            onClick={(event) => {
-              const box = event.currentTarget;
-              onPick(place, event.shiftKey);
-              // The box has turned by itself, which a range that held the row already does not undo.
-              setTimeout(() => (box.checked = this.props.selected));
-            }}
-          />
+          <label class="jobs-box">
+            <input
+              type="checkbox"
+              tabIndex={-1}
+              checked={selected}
+              disabled={!job}
+              aria-label={job ? `Select ${job.id}` : "Loading"}
+              onClick={(event) => {
+                const box = event.currentTarget;
+                onPick(place, event.shiftKey);
+                // The box has turned by itself, which a range that held the row already does not undo.
+                setTimeout(() => (box.checked = this.props.selected));
+              }}
+            />
+          </label>
         </span>
         {job ? <Cells job={job} /> : <span role="gridcell" aria-colindex={2} aria-label="Loading" class="jobs-cell jobs-wait" />}
       </div>
