@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "node:test";
 
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, eventually, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 import { tinyGlb, tinyGltf } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon({ arguments: ["--threads", "1"] });
@@ -208,5 +208,41 @@ test("a scene is deleted once nothing needs it, and an unknown one is said to be
 
   await page.goto(`${daemon.url}/scenes/no-such-scene`);
   await page.getByRole("heading", { name: "No such scene" }).waitFor();
+  expectNoComplaints(page);
+});
+
+test("two fingers pan a view, and a pinch comes nearer", async () => {
+  const page = await openPage(daemon, "/scenes/cornell-box", kTelephone);
+  const picture = page.locator(".scene-picture");
+  await picture.locator("img").waitFor();
+  const { x, y, width, height } = await picture.boundingBox();
+  const fingers = await page.context().newCDPSession(page);
+  const at = (...points) => points.map(([right, down], id) => ({ id, x: x + right * width, y: y + down * height }));
+  const gesture = async (from, to) => {
+    await fingers.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: at(...from) });
+    for (let step = 1; step <= 8; ++step) {
+      const points = from.map((point, finger) => point.map((value, axis) => value + (step / 8) * (to[finger][axis] - value)));
+      await fingers.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: at(...points) });
+    }
+    await fingers.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  };
+  const orbit = () =>
+    eventually(() => {
+      const members = query(page);
+      assert.ok(members.eye && members.target);
+      const [eye, target] = [members.eye, members.target].map((text) => text.split(",").map(Number));
+      return { target, way: eye.map((value, axis) => value - target[axis]) };
+    });
+  await gesture([[0.4, 0.5], [0.6, 0.5]], [[0.5, 0.5], [0.7, 0.5]]);
+  const panned = await orbit();
+  assert.ok(panned.target[0] < -0.1, `the target goes to the left: ${panned.target}`);
+  await gesture([[0.4, 0.5], [0.6, 0.5]], [[0.3, 0.5], [0.7, 0.5]]);
+  const pinched = await eventually(async () => {
+    const now = await orbit();
+    assert.ok(Math.hypot(...now.way) < 0.6 * Math.hypot(...panned.way), "nearer");
+    return now;
+  });
+  const moved = Math.hypot(...pinched.target.map((value, axis) => value - panned.target[axis]));
+  assert.ok(moved < 0.05 * Math.hypot(...pinched.way), `a pinch about the middle does not pan: ${panned.target} became ${pinched.target}`);
   expectNoComplaints(page);
 });

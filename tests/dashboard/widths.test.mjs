@@ -159,6 +159,19 @@ test("no name in a figure lies over another, and a table says that there is more
   expectNoComplaints(page);
 });
 
+test("who points with a finger is told what a finger does", async () => {
+  const kMouse = /Shift to pan|Ctrl\+Enter|with the mouse|Drop a|dropped anywhere|or drop /;
+  for (const [name, finger] of [["scene", "two fingers pan it"], ["scenes", "A scene is a"], ["render", "with a finger"], ["compare-start", "Two to nine images"], ["hard-cases", "Scenes whose answer is known"], ["now", "photond"]]) {
+    const page = await openPage(daemon, kPages[name][0], kTelephone);
+    await page.getByText(finger).first().waitFor();
+    assert.doesNotMatch(await page.locator("body").innerText(), kMouse, name);
+    await page.context().close();
+    const desk = await openPage(daemon, kPages[name][0]);
+    await desk.locator(kPages[name][1]).first().waitFor();
+    assert.doesNotMatch(await desk.locator("main").innerText(), /finger/, name);
+  }
+});
+
 test("a box of the list of jobs is picked anywhere in its cell", async () => {
   const page = await openPage(daemon, "/jobs", kTelephone);
   const cell = page.locator(".jobs-space .jobs-pick").first();

@@ -85,7 +85,7 @@ export function CropStrip({ desk, onSave }: { desk: Desk; onSave: () => void }) 
       </div>
       {crops.length === 0 && (
         <p class="hint">
-          Parts of the images, enlarged side by side: “Draw one”, then drag over a picture (or drag with Shift held). “Put one here” puts one about the pixel that is read, or the
+          Parts of the images, enlarged side by side: “Draw one”, then drag over a picture<span class="by-mouse"> (or drag with Shift held)</span>. “Put one here” puts one about the pixel that is read, or the
           middle of the view.
         </p>
       )}

@@ -1,5 +1,6 @@
 // The values of a pixel in every image, and its errors.
 
+import { ByPointer } from "../ui/by_pointer";
 import { channelNames, layerKind, luminanceOf, relativeError, signedError } from "./paint";
 import { pixelAt } from "./pixels";
 import type { Desk } from "./desk";
@@ -103,7 +104,7 @@ export function Readout({ desk }: { desk: Desk }) {
           </tbody>
         </table>
       </div>
-      {!pixel && <p class="hint compare-hint">Point at a picture; a click keeps the pixel. Or press p, then arrow keys.</p>}
+      {!pixel && <p class="hint compare-hint"><ByPointer mouse="Point at a picture; a click keeps the pixel. Or press p, then arrow keys." finger="Touch a picture: the pixel that is touched is read." /></p>}
       <p class="visually-hidden" aria-live="polite">
         {spoken}
       </p>

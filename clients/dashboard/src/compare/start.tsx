@@ -15,7 +15,7 @@ export function Start({ onPick, onFiles }: { onPick: () => void; onFiles: (files
     <div class="stack">
       <section class="panel compare-drop">
         <p>
-          Two to nine images: rendered here, or OpenEXR and Radiance files, which may be dropped anywhere on this page. They are compared in linear light, with error maps on one
+          Two to nine images: rendered here, or OpenEXR and Radiance files<span class="by-mouse">, which may be dropped anywhere on this page</span>. They are compared in linear light, with error maps on one
           scale.
         </p>
         <div class="row">

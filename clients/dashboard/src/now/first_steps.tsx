@@ -23,7 +23,7 @@ const kSteps = [
     href: "/scenes",
     picture: null,
     title: "Bring your own scene",
-    text: "Drop a glTF file, orbit about it until you like the view, and render it from there.",
+    text: "Upload a glTF file, orbit about it until you like the view, and render it from there.",
     brief: "Bring a scene",
   },
 ];

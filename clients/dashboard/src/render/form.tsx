@@ -2,6 +2,7 @@
 
 import type { Device, Fault, JobRequest, LookAt, Method, MethodChoice, Reference, Scene, StopConditions, Vec3 } from "../api/types";
 import { metrics, targetMetrics } from "../api/vocabulary";
+import { ByPointer } from "../ui/by_pointer";
 import { aspectText, boundedAspect, kPixelChoices, sizeOfAspect } from "../ui/aspect";
 import { numberText, plainName } from "../ui/format";
 import { MethodForm } from "../ui/method_form";
@@ -109,7 +110,7 @@ function ScenePart({ request, change, faults, known }: Props) {
             )}
           </Labelled>
           <p class="hint">
-            <a href={`/scenes/${encodeURIComponent(request.scene)}`}>Look about in the scene</a> to choose a view with the mouse.
+            <a href={`/scenes/${encodeURIComponent(request.scene)}`}>Look about in the scene</a> to choose a view <ByPointer mouse="with the mouse" finger="with a finger" />.
           </p>
         </div>
       </div>

@@ -238,7 +238,9 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
               Its picture will be shown at {signed(Number(shown.exposure))} stops{shown.curve ? `, ${shown.curve}` : ""}, as the view was.
             </p>
           )}
-          <p class="hint">Ctrl+Enter. What you changed is kept in this tab until it is rendered.</p>
+          <p class="hint">
+            <span class="by-mouse">Ctrl+Enter. </span>What you changed is kept in this tab until it is rendered.
+          </p>
           <AsJson request={request} change={change} />
         </aside>
       </form>

@@ -6,6 +6,7 @@ import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
 import type { Scene } from "../api/types";
+import { ByPointer } from "../ui/by_pointer";
 import { Picture } from "../ui/picture";
 import { useAllScenes } from "./all_scenes";
 import { chosenFiles, useDrop } from "./dropping";
@@ -23,6 +24,11 @@ const kFamilies = [
   { family: "caustics", text: "Caustics" },
   { family: "progressive", text: "Progressive photon mapping" },
 ];
+const kKinds = (
+  <>
+    a <code>.glb</code>, a <code>.zip</code>, or a <code>.gltf</code> with its files
+  </>
+);
 const kWaiting = [0, 1, 2, 3, 4, 5, 6, 7];
 
 function Card({ scene }: { scene: Scene }) {
@@ -83,7 +89,10 @@ export function Scenes() {
         <Choose text="Upload a folder" folder />
       </Title>
       <p class="muted">
-        Drop a <code>.glb</code>, a <code>.zip</code>, or a <code>.gltf</code> with its files anywhere on this page.
+        <ByPointer
+          mouse={<>Drop {kKinds} anywhere on this page.</>}
+          finger={<>A scene is {kKinds}.</>}
+        />
       </p>
       <UploadList />
       <div class="scenes-tools">

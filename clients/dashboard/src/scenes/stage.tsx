@@ -4,6 +4,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { askPatiently, withQuery } from "../api/client";
+import { ByPointer } from "../ui/by_pointer";
 import { secondsText } from "../ui/format";
 import { NewestFirst } from "./newest_first";
 import { dollied, lookedAbout, type Orbit, panned, turned } from "./orbit";
@@ -168,7 +169,11 @@ export function Stage({ scene, view, orbit, radius, aspect, drag, onMove, onHome
       fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
       if (right === 0 && downwards === 0) return;
       const { orbit, drag } = now.current;
-      if (fingers.size > 1) return wide > 0 ? move(dollied(orbit, wide / Math.max(1, spread()), radius)) : undefined;
+      if (fingers.size > 1) {
+        // Of two fingers each moves the middle by half its way.
+        if (wide > 0) move(panned(dollied(orbit, wide / Math.max(1, spread()), radius), right / fingers.size, downwards / fingers.size));
+        return;
+      }
       const kind = event.shiftKey ? "pan" : drag;
       move({ orbit: turned, look: lookedAbout, pan: panned }[kind](orbit, right, downwards));
     };
@@ -219,7 +224,12 @@ export function Stage({ scene, view, orbit, radius, aspect, drag, onMove, onHome
         {failure && <p class="notice failed">No picture: {failure.message}</p>}
       </div>
       <p class="small muted scene-stage-line">
-        <span id="scene-stage-keys">Drag or arrow keys to move, Shift to pan, wheel or + and − to come nearer, Home to begin again.</span>
+        <span id="scene-stage-keys">
+          <ByPointer
+            mouse="Drag or arrow keys to move, Shift to pan, wheel or + and − to come nearer, Home to begin again."
+            finger="One finger moves the view, two fingers pan it, and a pinch comes nearer."
+          />
+        </span>
         <span data-testid="took">
           {shown && quality && size ? `${size.width} × ${size.height}, ${quality.passes === 1 ? "1 pass" : `${quality.passes} passes`} in ${secondsText(shown.milliseconds / 1000)}` : "Rendering …"}
         </span>

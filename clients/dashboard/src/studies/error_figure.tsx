@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { isDark } from "../app/theme";
 import { saveBlob } from "../api/client";
+import { ByPointer } from "../ui/by_pointer";
 import { numberText, secondsText } from "../ui/format";
 import { seriesLook } from "../ui/palette";
 import type { Floor } from "./bias";
@@ -118,8 +119,9 @@ export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, fl
         tabIndex={0}
         role="group"
         aria-label={`${metric} against time. Left and right arrows read the curves.`}
+        onPointerDown={moveTo}
         onPointerMove={moveTo}
-        onPointerLeave={() => setTime(null)}
+        onPointerLeave={(event) => event.pointerType === "mouse" && setTime(null)} // a finger's reading stays when it is lifted
         onKeyDown={step}
       >
         <div ref={holder} class="study-plot-holder" />
@@ -128,7 +130,9 @@ export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, fl
       </div>
       <p class="study-readout" aria-live="polite">
         {time === null ? (
-          <span class="muted">Point at the figure, or step through it with the arrow keys, to read the curves.</span>
+          <span class="muted">
+            <ByPointer mouse="Point at the figure, or step through it with the arrow keys, to read the curves." finger="Touch the figure to read the curves." />
+          </span>
         ) : (
           <>
             <b>{secondsText(time)}</b>

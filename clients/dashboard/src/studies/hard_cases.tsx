@@ -312,7 +312,7 @@ export function HardCases() {
             <code>{kCommand}</code>
             <button onClick={() => navigator.clipboard.writeText(kCommand).then(() => say("Copied."), sayFailure)}>Copy</button>
           </p>
-          <p class="row">{choose} or drop hard-cases.json anywhere on this page.</p>
+          <p class="row">{choose} <span class="by-mouse">or drop hard-cases.json anywhere on this page.</span></p>
         </div>
       )}
     </>
