@@ -53,10 +53,14 @@ test("the gallery shows what there is, and its address says what is looked for",
 
   await page.getByLabel("Search").fill("no such");
   await page.getByText("No scene has “no such” in its name.").waitFor();
-  for (const [family, scenes] of [["Details of rooms", 7], ["Caustics", 1], ["Progressive photon mapping", 6], ["Photon splatting's figures", 3]]) {
+  for (const [family, scenes] of [["Details of rooms", 7], ["Caustics", 1], ["Progressive photon mapping", 6], ["Moving", 6], ["Photon splatting's figures", 3]]) {
     await page.getByRole("link", { name: family }).click();
     await listed(page, scenes);
   }
+  const { paths } = await daemon.get("/v1/openapi.json");
+  const families = paths["/v1/scenes"].get.parameters.find(({ name }) => name === "family").schema.enum;
+  for (const family of families) assert.equal(await page.locator(`.scenes-families a[href="/scenes?family=${family}"]`).count(), 1, family);
+  await page.getByRole("link", { name: "Photon splatting's figures" }).click();
   await page.getByRole("link", { name: "photon-splatting/plate" }).click();
   await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
   await eventually(() => assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate"));

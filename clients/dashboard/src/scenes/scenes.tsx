@@ -23,6 +23,11 @@ const kFamilies = [
   { family: "details", text: "Details of rooms" },
   { family: "caustics", text: "Caustics" },
   { family: "progressive", text: "Progressive photon mapping" },
+  { family: "small-vcm", text: "SmallVCM's boxes" },
+  { family: "doors", text: "Doors" },
+  { family: "visibility-filtering", text: "Visibility filtering" },
+  { family: "real-time", text: "In real time" },
+  { family: "moving", text: "Moving" },
 ];
 const kKinds = (
   <>
