@@ -199,3 +199,18 @@ test("a job's log begins with a whole line, and its figures are in one line each
   for (const figure of await page.locator(".job-table td.number").all()) assert.equal(await figure.evaluate((element) => getComputedStyle(element).whiteSpace), "nowrap");
   expectNoComplaints(page);
 });
+
+test("on a telephone no scene to choose covers another, and a subject of the API stands apart from its count", async () => {
+  const page = await openPage(daemon, kPages["new-study"][0], kTelephone);
+  await page.locator(".new-study-scene").nth(8).waitFor(); // more than its box has room for
+  for (const scene of await page.locator(".new-study-scene").all()) assert.ok(await scene.evaluate((tile) => tile.scrollHeight <= tile.clientHeight + 1), await scene.innerText());
+  await page.goto(daemon.url + kPages.api[0]);
+  const subject = page.getByRole("navigation", { name: "Subjects" }).locator("a").first();
+  const [name, count] = await subject.evaluate((link) => {
+    const text = document.createRange();
+    text.selectNodeContents(link.firstChild);
+    return [text.getBoundingClientRect().right, link.lastElementChild.getBoundingClientRect().left];
+  });
+  assert.ok(count > name + 2, `${name} to ${count}`);
+  expectNoComplaints(page);
+});
