@@ -29,7 +29,7 @@ struct Reprojected {
 /// Begins to trace a ray through the middle of each pixel and of the lens: the hits that reproject() takes.
 std::unique_ptr<HitsToCome> begin_centre_hits(const RenderContext& context);
 
-/// Takes the `hits` of rays through the pixels' middles. The point of the surface that it meets is followed
+/// Takes the `hits` of rays through the pixels' middles, one a pixel, row by row. The point that each found is followed
 /// back to where it was (`pose`; null: nothing has moved but what has a rig, of which nothing is known) and looked up
 /// in `before` between four pixels, of which those count whose surface is the same: the same instance, normals at most
 /// 25 degrees apart, and on its plane within a hundredth of the distance to the eye. Mirrors and glass show what lies

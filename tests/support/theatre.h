@@ -63,4 +63,25 @@ inline Scene make_theatre() {
     return scene;
 }
 
+/// A lamp, a sphere, that swells until it takes many more voxels than the torus that stands still; two corners keep the
+/// bounds where they are.
+inline Scene make_swelling_lamp() {
+    Scene scene;
+    add(scene, MeshBuilder().box(vec3(-2), vec3(-1.9f)).box(vec3(1.9f), vec3(2)).build(0), lambert(0.5f));
+    add(scene, MeshBuilder().torus(vec3(0), 0.4f, 0.1f, 64, 32).build(0), lambert(0.5f));
+    Rig rig;
+    auto sphere = std::make_shared<ObjectMesh>();
+    sphere->mesh = make_icosphere(2, static_cast<uint32_t>(scene.materials.size()));
+    scene.materials.push_back(lambert(0.5f));
+    scene.materials.back().emission = Rgb(1);
+    const uint32_t node = add_node(rig, {});
+    add_rigged_mesh(scene, rig, sphere, node);
+    Animation animation;
+    animation.channels = {drive(Property::Scale, node, {0, 1}, {0.1f, 0.1f, 0.1f, 1.5f, 1.5f, 1.5f})};
+    rig.animations.push_back(std::move(animation));
+    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
+    finish_scene(scene);
+    return scene;
+}
+
 }  // namespace photond::test

@@ -122,28 +122,10 @@ TEST(KeptVoxelsGpu, AreOfAllThatCameToRest) {
     EXPECT_EQ(ways, "UUUUUUUUUUUUKUU");
 }
 
-/// A sphere that comes in, and takes many more voxels than the torus that it comes to.
-Scene make_arrival() {
-    Scene scene;
-    test::add(scene, MeshBuilder().torus(vec3(0), 0.4f, 0.1f, 64, 32).build(0), test::lambert(0.5f));
-    Rig rig;
-    auto sphere = std::make_shared<ObjectMesh>();
-    sphere->mesh = make_icosphere(2, static_cast<uint32_t>(scene.materials.size()));
-    scene.materials.push_back(test::lambert(0.5f));
-    const uint32_t node = add_node(rig, {});
-    add_rigged_mesh(scene, rig, sphere, node);
-    Animation animation;
-    animation.channels = {drive(Property::Translation, node, {0, 1}, {-9, 0, 0, 0, 0, 0})};
-    rig.animations.push_back(std::move(animation));
-    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
-    finish_scene(scene);
-    return scene;
-}
-
 // A frame does not wait to hear whether its tree has room. Where it had not, its pass is made again.
 TEST(KeptVoxelsGpu, AreAskedAgainWhereTheyOutgrewTheirRoom) {
     for (const bool surfaces : {false, true}) {
-        Theatre theatre(make_arrival());
+        Theatre theatre(test::make_swelling_lamp());
         EXPECT_EQ(theatre.show({0, 0.01, 0.02, 0.03}, surfaces), "AAKU");
         EXPECT_EQ(theatre.asked_again, 0);
         EXPECT_EQ(theatre.show({0.9}, surfaces), "U");
@@ -154,7 +136,7 @@ TEST(KeptVoxelsGpu, AreAskedAgainWhereTheyOutgrewTheirRoom) {
 }
 
 TEST(KeptVoxelsGpu, FollowFramesThatWereLeftBeforeTheirFirstPass) {
-    Theatre theatre(make_arrival());
+    Theatre theatre(test::make_swelling_lamp());
     EXPECT_EQ(theatre.show({0, 0.01, 0.02, 0.03}, true), "AAKU");
     for (const double time : {0.85, 0.95}) {
         theatre.pose(time);
