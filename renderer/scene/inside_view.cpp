@@ -13,8 +13,8 @@ namespace {
 
 constexpr uint64_t kMostTriangles = 500'000;
 constexpr size_t kMostLamps = 8, kRaysOfLamp = 32;
-constexpr size_t kClosedOneIn = 50;                // rays, of which one may leave
-constexpr int kAcross = 4, kUp = 3, kAround = 16;  // places to stand, and ways to look
+constexpr size_t kClosedOneIn = 50;                   // rays, of which one may leave
+constexpr size_t kAcross = 4, kUp = 3, kAround = 16;  // places to stand, and ways to look
 constexpr size_t kRaysOfPlace = 12;
 constexpr float kSkinShare = 1e-4f;  // of the scene's radius: nearer than that a ray meets nothing
 constexpr float kBack = 0.85f;       // of the way back to the wall
@@ -114,7 +114,7 @@ bool is_closed_about(const Walls& walls, const std::vector<Lamp>& lamps) {
 /// The place within from which it is farthest to what is about it, in the median; of those that see a lamp, if any
 /// does.
 std::optional<vec3> most_open_place(const Scene& scene, const Walls& walls, const std::vector<Lamp>& lamps) {
-    constexpr size_t kPlaces = size_t{kAcross} * kUp * kAcross;
+    constexpr size_t kPlaces = kAcross * kUp * kAcross;
     std::array<vec3, kPlaces> places;
     std::array<std::pair<bool, float>, kPlaces> open;  // sees a lamp, median distance
     parallel_for(kPlaces, 1, [&](size_t i) {
@@ -152,19 +152,16 @@ std::optional<Camera> find_inside_view(const Scene& scene) {
     if (!is_closed_about(walls, lamps)) return std::nullopt;
     const std::optional<vec3> place = most_open_place(scene, walls, lamps);
     if (!place) return std::nullopt;
-    const auto way = [](int i) {
+    const auto way = [](size_t i) {
         const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAround;
         return vec3(std::cos(angle), 0, std::sin(angle));
     };
     std::array<float, kAround> far;
-    parallel_for(kAround, 1, [&](size_t i) { far[i] = walls.distance(*place, way(static_cast<int>(i))); });
-    int back = 0;
-    for (int i = 1; i < kAround; ++i)
-        if (far[static_cast<size_t>(i)] > far[static_cast<size_t>(back)]) back = i;
-    const float most = far[static_cast<size_t>(back)];
-    if (!std::isfinite(most)) return std::nullopt;
-    return look_at_camera(dvec3(*place + kBack * most * way(back)), dvec3(*place - most * way(back)), dvec3(0, 1, 0),
-                          kYfov);
+    parallel_for(kAround, 1, [&](size_t i) { far[i] = walls.distance(*place, way(i)); });
+    const auto longest = std::ranges::max_element(far);
+    if (!std::isfinite(*longest)) return std::nullopt;
+    const vec3 back = *longest * way(static_cast<size_t>(longest - far.begin()));
+    return look_at_camera(dvec3(*place + kBack * back), dvec3(*place - back), dvec3(0, 1, 0), kYfov);
 }
 
 }  // namespace photond
