@@ -56,6 +56,12 @@ public:
         passes_.push_back(std::move(sums));
     }
 
+    /// Appends the passes of another render with the same blocks.
+    void add(const BlockSums& more) {
+        columns_ = more.columns_;
+        passes_.insert(passes_.end(), more.passes_.begin(), more.passes_.end());
+    }
+
     uint32_t columns() const { return columns_; }
     const std::vector<std::vector<double>>& passes() const { return passes_; }
 
@@ -159,6 +165,52 @@ inline BlockTest compare_blocks(const BlockSums& a, const BlockSums& b, double f
     std::sort(test.blocks.begin(), test.blocks.end(),
               [](const BlockDifference& p, const BlockDifference& q) { return std::fabs(p.t) > std::fabs(q.t); });
     return test;
+}
+
+/// How compare_blocks_when_sharp() looks at two renders while their passes come.
+struct BlockLooks {
+    uint32_t side;              // of a block [pixels]
+    double must_notice;         // largest half_notice at which the comparison may stop
+    double false_alarm = 1e-6;  // of all looks together
+    uint32_t first_look = 16;   // passes
+};
+
+/// What two renders came to when they were sharp enough.
+struct ComparedRenders {
+    BlockTest test;   // of the last look
+    Film first;       // the first render's passes until then
+    uint32_t passes;  // their number
+};
+
+/// Compares two renders by compare_blocks() and stops as soon as half of the blocks would notice what must be noticed.
+///
+/// The looks are after `first_look` passes, 1.5 times as many, and so on; the last one is after all passes of the
+/// settings. Each look has an equal part of the false-alarm rate (Bonferroni), so that the choice of when to stop does
+/// not raise it. A look with an alarm ends the comparison. A stage begins the method anew: passes have to be pure
+/// functions of their index. Where is a Scene or a SceneOnDevice.
+template <class WhereA, class A, class WhereB, class B>
+ComparedRenders compare_blocks_when_sharp(const WhereA& where_a, RenderSettingsOf<A> a, const WhereB& where_b,
+                                          RenderSettingsOf<B> b, const BlockLooks& how) {
+    if (a.passes != b.passes) throw std::invalid_argument("both renders need the same number of passes");
+    std::vector<uint32_t> looks;
+    for (uint32_t passes = how.first_look; passes < a.passes; passes += (passes + 1) / 2) looks.push_back(passes);
+    looks.push_back(a.passes);
+    const double share = how.false_alarm / double(looks.size());
+    BlockSums of_a(how.side), of_b(how.side);
+    ComparedRenders found{{}, Film(a.size, a.layers, a.first_pass), 0};
+    for (const uint32_t look : looks) {
+        a.passes = b.passes = look - found.passes;
+        const RenderedBlocks more = render_blocks(where_a, a, how.side);
+        of_a.add(more.blocks);
+        of_b.add(render_blocks(where_b, b, how.side).blocks);
+        found.first.merge(more.film);
+        found.passes = look;
+        a.first_pass += a.passes;
+        b.first_pass += b.passes;
+        found.test = compare_blocks(of_a, of_b, share);
+        if (found.test.alarms > 0 || found.test.half_notice <= how.must_notice) break;
+    }
+    return found;
 }
 
 }  // namespace photond::test
