@@ -17,7 +17,7 @@ constexpr size_t kChecks = 10;
 
 /// Of the indirect light, film by film.
 template <class M>
-test::RunningMean means_of(const Scene& scene, test::RenderSettingsOf<M> settings, uint64_t films = 12) {
+test::RunningMean means_of(const Scene& scene, test::RenderSettingsOf<M> settings, uint64_t films = 18) {
     settings.size = {32, 32};
     test::RunningMean mean;
     for (settings.seed = 1; settings.seed <= films; ++settings.seed)
@@ -46,7 +46,7 @@ template <class M>
 void expect_mean(const Scene& scene, const test::RunningMean& truth, RadiusRule rule, double allowed,
                  double must_notice) {
     test::RenderSettingsOf<M> settings;
-    settings.passes = 8;
+    settings.passes = 5;
     settings.params.photons = 10'000;
     settings.params.radius_rule = rule;
     expect_mean_of(means_of(scene, settings), truth.mean(), name_of<M>(rule), allowed, must_notice,
@@ -56,7 +56,7 @@ void expect_mean(const Scene& scene, const test::RunningMean& truth, RadiusRule 
 TEST(ProgressiveImages, MeansAreThoseOfPathTracing) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     test::RenderSettings paths;
-    paths.passes = 520;
+    paths.passes = 170;
     const test::RunningMean truth = means_of(scene, paths);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Trained, 0.01, 0.05);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Global, 0.01, 0.05);
@@ -73,7 +73,7 @@ void expect_furnace(const Scene& scene, RadiusRule rule) {
     settings.passes = 2;
     settings.params.photons = 10'000;
     settings.params.radius_rule = rule;
-    expect_mean_of(means_of(scene, settings, 30), 0.5, name_of<M>(rule), 0.002, 0.03);
+    expect_mean_of(means_of(scene, settings, 24), 0.5, name_of<M>(rule), 0.002, 0.03);
 }
 
 TEST(ProgressiveImages, AFurnaceIsEven) {

@@ -9,7 +9,7 @@ namespace {
 using namespace test;
 
 constexpr double kFalseAlarm = 1e-6;  // of each test
-constexpr size_t kDraws = 300'000;
+constexpr size_t kDraws = 150'000;
 constexpr CellGrid kGrid{18, 10, 28};
 
 TEST(BsdfSampling, DensitiesAndWeightsAreAsStated) {

@@ -15,7 +15,7 @@ namespace {
 
 using Ispm = ImageSpacePhotonMappingGpu;
 
-constexpr Size2 kSize{80, 60};
+constexpr Size2 kSize{64, 48};
 
 /// The Cornell box with a lamp that is as wide as a disc of that radius, and of the same power.
 Scene box_with_lamp_of(float radius_m) {
@@ -49,9 +49,9 @@ TEST(GpuSoftShadows, GatheredOnesLookLikeThoseOfRays) {
     for (const float radius_m : {0.05f, 0.2f}) {
         const Scene scene = box_with_lamp_of(radius_m);
         const test::SceneOnDevice where(scene);
-        const Flip flip(kSize, direct_of(where, SoftShadow::Rays, 256), FlipRange::Hdr);
-        const double hard = flip.measure(direct_of(where, SoftShadow::None, 128)).mean;
-        const double gathered = flip.measure(direct_of(where, SoftShadow::Gather, 128)).mean;
+        const Flip flip(kSize, direct_of(where, SoftShadow::Rays, 128), FlipRange::Hdr);
+        const double hard = flip.measure(direct_of(where, SoftShadow::None, 64)).mean;
+        const double gathered = flip.measure(direct_of(where, SoftShadow::Gather, 64)).mean;
         std::printf("lamp of %.2f m: FLIP %.4f with hard shadows, %.4f with gathered ones\n", double{radius_m}, hard,
                     gathered);
         EXPECT_LT(gathered, 0.05);
