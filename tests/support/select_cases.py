@@ -5,7 +5,9 @@
         prints every name that fits
   select_cases.py BUILD [-L LABEL | -LE LABEL] [-R REGEX] [-E REGEX] --cases FILE
         writes the GoogleTest cases to FILE, for PHOTOND_TEST_CASES, and prints the expression of the entries of ctest
-        that hold what fits; fails where nothing does
+        that hold what fits; the exit status is 3 where nothing does
+
+Where -R stands several times, a name has to fit all of them; -E likewise leaves out what fits one of them.
 """
 
 import argparse
@@ -14,6 +16,8 @@ import pathlib
 import re
 import subprocess
 import sys
+
+NOTHING_FITS = 3  # exit status
 
 
 def entries(build, labels):
@@ -48,15 +52,15 @@ def main():
     parser.add_argument("build")
     parser.add_argument("-L")
     parser.add_argument("-LE")
-    parser.add_argument("-R", default="")
-    parser.add_argument("-E")
+    parser.add_argument("-R", action="append", default=[])
+    parser.add_argument("-E", action="append", default=[])
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--cases", type=pathlib.Path)
     asked = parser.parse_args()
     labels = [part for option, value in (("-L", asked.L), ("-LE", asked.LE)) if value for part in (option, value)]
 
     def fits(name):
-        return re.search(asked.R, name) and not (asked.E and re.search(asked.E, name))
+        return all(re.search(wanted, name) for wanted in asked.R) and not any(re.search(other, name) for other in asked.E)
 
     names, cases, chosen = set(), set(), []
     for name, command in entries(asked.build, labels):
@@ -75,7 +79,9 @@ def main():
     if asked.list:
         print("\n".join(sorted(names)))
     elif not chosen:
-        sys.exit(f"no test fits -R '{asked.R}'" + (f" without -E '{asked.E}'" if asked.E else ""))
+        words = [f"-R '{wanted}'" for wanted in asked.R] + [f"-E '{other}'" for other in asked.E]
+        print(f"no test fits {' '.join(words)}", file=sys.stderr)
+        sys.exit(NOTHING_FITS)
     else:
         asked.cases.write_text("".join(case + "\n" for case in sorted(cases)))
         print("^(" + "|".join(re.escape(name) for name in chosen) + ")$")
