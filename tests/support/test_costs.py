@@ -6,8 +6,12 @@
   test_costs.py report FOLDER BUDGET --build SECONDS --calibration SECONDS ... [--enforce]
         prints processor seconds by program beside their budget, and the twenty dearest cases; FOLDER is where the tests
         wrote them (PHOTOND_TEST_TIMES). --enforce: exit status 1 where a program took much more than its share.
-  test_costs.py budget FOLDER --build SECONDS --calibration SECONDS ...
-        prints a budget of what this run took
+  test_costs.py budget FOLDER BUDGET --build SECONDS --calibration SECONDS ...
+        prints a new ledger: what this run took, and the reserves of the old one
+
+The ledger (tests/budget.txt) has a line for each program, one for the build, and `reserved ISSUE SECONDS` for each change
+that is still to come. The build, the programs and the reserves together are at most MOST_SECONDS
+(tests/unit/budget_test.py).
 
 A budget's figures are of the machine that its line `calibration` was measured on; they are scaled by this run's, which is
 the mean of those taken while the tests ran. What other tenants of a shared machine take from one program and not from the
@@ -32,6 +36,7 @@ DEVIATION_OF_MEDIAN_DEVIATION = 1.4826  # the standard deviation of a normal dis
 SECONDS_BETWEEN_CALIBRATIONS = 15
 LEAST_PROGRAMS = 10  # of which a median says something
 LEAST_SHARE = 6.0  # processor seconds: below that a program is mostly its own start, and asks whether others are done
+MOST_SECONDS = 45 * 60  # processor seconds of the ledger as a whole
 
 
 def fixed_work(_):
@@ -76,11 +81,32 @@ def cases_in(folder):
     return sorted(cases, reverse=True)
 
 
+def read_ledger(file):
+    """(calibration, {"build" or program: seconds}, {issue: seconds}); ValueError where a line is none, or is there twice."""
+    calibration, programs, reserves = None, {}, {}
+    for number, line in enumerate(file.read_text().splitlines(), 1):
+        if not line or line.startswith("#"):
+            continue
+        words = line.split()
+        rows = reserves if words[0] == "reserved" else programs
+        name = " ".join(words[:-1]).removeprefix("reserved ")
+        if name in rows or len(words) != (3 if rows is reserves else 2):
+            raise ValueError(f"{file}:{number}: '{line}' is no line of a ledger, or its name is there already")
+        rows[name] = float(words[-1])
+    calibration = programs.pop("calibration")
+    return calibration, programs, reserves
+
+
+def whole_of(programs, reserves):
+    """Seconds of the ledger as a whole."""
+    return sum(programs.values()) + sum(reserves.values())
+
+
 def read_budget(file):
-    rows = [line.split() for line in file.read_text().splitlines() if line and not line.startswith("#")]
-    budget = {name: float(seconds) for name, seconds in rows}
-    budget["tests"] = sum(seconds for name, seconds in budget.items() if name not in ("calibration", "build"))
-    return {**budget, "total": budget["tests"] + budget["build"]}
+    calibration, programs, reserves = read_ledger(file)
+    tests = sum(programs.values()) - programs["build"]
+    return {**programs, "calibration": calibration, "tests": tests, "total": tests + programs["build"],
+            "whole": whole_of(programs, reserves)}
 
 
 def report(asked):
@@ -117,6 +143,7 @@ def report(asked):
     row("tests", tests)
     if asked.build is not None:
         row("total", tests + asked.build)
+    print(f"\nThe ledger with its reserves is {budget['whole'] / 60:.1f} of at most {MOST_SECONDS / 60:.0f} processor minutes.")
     print("\nThe twenty dearest cases:")
     for seconds, name in cases_in(asked.folder)[:20]:
         print(f"{seconds:9.1f}  {name}")
@@ -132,8 +159,8 @@ def main():
     for name in ("report", "budget"):
         command = commands.add_parser(name)
         command.add_argument("folder", type=pathlib.Path)
+        command.add_argument("budget", type=pathlib.Path)
         if name == "report":
-            command.add_argument("budget", type=pathlib.Path)
             command.add_argument("--enforce", action="store_true")
         command.add_argument("--build", type=float)
         command.add_argument("--calibration", type=float, nargs="+", required=True)
@@ -145,10 +172,21 @@ def main():
     elif asked.command == "report":
         sys.exit(report(asked))
     else:
-        spent = totals_in(asked.folder)
-        rows = {"calibration": statistics.mean(asked.calibration), "build": asked.build, **dict(spent.most_common())}
-        print("\n".join(f"{name} {seconds:.3f}" if name == "calibration" else f"{name} {seconds:.1f}"
-                        for name, seconds in rows.items()))
+        print_ledger(asked)
 
 
-main()
+def print_ledger(asked):
+    comments = [line for line in asked.budget.read_text().splitlines() if line.startswith("#")]
+    reserves = read_ledger(asked.budget)[2]
+    print("\n".join(comments))
+    print(f"calibration {statistics.mean(asked.calibration):.3f}")
+    for issue, seconds in reserves.items():
+        print(f"reserved {issue} {seconds:.0f}")
+    print(f"build {asked.build:.0f}")
+    for name, seconds in totals_in(asked.folder).most_common():
+        print(f"{name} {seconds:.1f}")
+
+
+if __name__ == "__main__":
+    main()
+
