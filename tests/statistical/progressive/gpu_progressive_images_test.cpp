@@ -20,9 +20,12 @@ test::RenderSettingsOf<M> settings_for(RadiusRule rule, uint64_t seed, uint32_t 
     settings.size = {48, 48};
     settings.passes = passes;
     settings.seed = seed;
+    // The layers and the number of bounces of the unit tests, whose pipelines the driver then has.
+    for (const Layer layer : {Layer::Caustic, Layer::PhotonCount, Layer::Radius, Layer::BiasEstimate})
+        settings.layers.add(layer);
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.photons = 6000;
-    settings.params.indirect_bounces = 5;
+    settings.params.indirect_bounces = 6;
     settings.params.radius_rule = rule;
     settings.params.boundary = DiscBoundary::None;
     return settings;

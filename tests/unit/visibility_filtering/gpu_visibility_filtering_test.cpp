@@ -36,11 +36,11 @@ TEST_P(GpuVisibilityFilteringLights, ReachOtherSurfaces) {
     const Scene scene = test::floor_and_wall(GetParam());
     test::RenderSettings traced;
     traced.size = {24, 18};
-    traced.passes = 4000;
+    traced.passes = 2400;
     traced.params.indirect_bounces = 1;
     traced.params.sampler = SamplerKind::Random;
     const test::RunningMean wanted = test::indirect_of_passes(scene, traced);
-    const test::RunningMean found = test::indirect_of_passes(test::SceneOnDevice(scene), asked_by_rays(60));
+    const test::RunningMean found = test::indirect_of_passes(test::SceneOnDevice(scene), asked_by_rays(34));
     const double doubt = kStandardErrors * std::hypot(found.standard_error(), wanted.standard_error());
     std::printf("%s: %+.3f %%, %.3f in doubt\n", GetParam(), 100 * (found.mean() / wanted.mean() - 1),
                 100 * doubt / wanted.mean());
@@ -173,8 +173,8 @@ TEST(GpuVisibilityFiltering, CountsFindTheLightInVoxelsOfAnySize) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
     const auto light_of = [&](Settings settings) {
-        settings.size = {64, 48};
-        settings.passes = 4;
+        settings.size = {48, 36};
+        settings.passes = 3;
         return test::mean_of_layer(test::render(where, settings), Layer::Indirect);
     };
     const double wanted = light_of(asked_by_rays(4));
