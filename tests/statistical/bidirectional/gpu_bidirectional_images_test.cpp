@@ -10,6 +10,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_bidirectional_images_test {
@@ -30,9 +31,7 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, uint64_t seed) {
     settings.size = {40, 40};
     settings.passes = passes;
     settings.seed = seed;
-    // Those of the unit tests, whose pipelines the driver has then.
-    for (const Layer layer : {Layer::Caustic, Layer::Connections, Layer::Merges, Layer::LightImage})
-        settings.layers.add(layer);
+    settings.layers = test::bidirectional_layers();
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.indirect_bounces = 6;
     settings.params.adapt = false;

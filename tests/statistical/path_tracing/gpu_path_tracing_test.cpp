@@ -7,6 +7,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_path_tracing_test {
@@ -18,6 +19,7 @@ test::RenderSettingsOf<M> settings_for(uint64_t seed) {
     settings.size = {32, 32};
     settings.passes = 128;
     settings.seed = seed;
+    settings.layers = test::path_tracing_layers();
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.indirect_bounces = 6;
     return settings;

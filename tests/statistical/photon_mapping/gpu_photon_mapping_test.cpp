@@ -6,6 +6,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_photon_mapping_test {
@@ -24,11 +25,15 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice, uint64_t seed) {
     settings.size = {64, 64};
     settings.passes = 20;
     settings.seed = seed;
+    settings.layers = test::photon_mapping_layers();
+    settings.params.light_samples = 2;
+    settings.params.nearest_photons = 20;
+    settings.params.caustic_nearest_photons = 40;
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.photons = 6000;
-    settings.params.indirect_bounces = 5;
+    settings.params.indirect_bounces = 6;
     settings.params.gather = choice.gather;
-    settings.params.gather_rays = 4;
+    settings.params.gather_rays = 5;
     settings.params.search = choice.search;
     settings.params.boundary = choice.boundary;
     return settings;

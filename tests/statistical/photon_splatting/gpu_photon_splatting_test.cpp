@@ -7,6 +7,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_photon_splatting_test {
@@ -23,6 +24,7 @@ test::RenderSettingsOf<M> settings_for(const Case& which, uint64_t seed) {
     settings.size = {32, 32};
     settings.passes = 32;
     settings.seed = seed;
+    settings.layers = test::photon_splatting_layers();
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.photons = 600;
     settings.params.bounces = 2;

@@ -9,6 +9,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_progressive_images_test {
@@ -20,9 +21,7 @@ test::RenderSettingsOf<M> settings_for(RadiusRule rule, uint64_t seed, uint32_t 
     settings.size = {48, 48};
     settings.passes = passes;
     settings.seed = seed;
-    // The layers and the number of bounces of the unit tests, whose pipelines the driver then has.
-    for (const Layer layer : {Layer::Caustic, Layer::PhotonCount, Layer::Radius, Layer::BiasEstimate})
-        settings.layers.add(layer);
+    settings.layers = test::progressive_layers();
     settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.photons = 6000;
     settings.params.indirect_bounces = 6;

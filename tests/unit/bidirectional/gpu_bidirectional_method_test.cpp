@@ -7,6 +7,7 @@
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_bidirectional_method_test {
@@ -32,8 +33,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     settings.size = {28, 20};  // tiles cut at both edges
     settings.passes = 2;
     settings.filter = choice.filter;
-    for (const Layer layer : {Layer::Caustic, Layer::Connections, Layer::Merges, Layer::LightImage})
-        settings.layers.add(layer);
+    settings.layers = test::bidirectional_layers();
     settings.params.adapt = false;
     settings.params.light_paths = 4;
     settings.params.merging_params.radius_relative = 0.02f;

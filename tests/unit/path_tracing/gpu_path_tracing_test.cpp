@@ -5,25 +5,18 @@
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_path_tracing_test {
 namespace {
-
-LayerSet all_layers() {
-    LayerSet layers;
-    for (const Layer layer :
-         {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::GeometricNormal})
-        layers.add(layer);
-    return layers;
-}
 
 template <class M>
 test::RenderSettingsOf<M> settings_for(uint32_t passes) {
     test::RenderSettingsOf<M> settings;
     settings.size = {40, 30};  // tiles cut at both edges
     settings.passes = passes;
-    settings.layers = all_layers();
+    settings.layers = test::path_tracing_layers();
     settings.params.indirect_bounces = 4;
     return settings;
 }

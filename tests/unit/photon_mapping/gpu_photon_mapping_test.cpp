@@ -13,6 +13,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/photons.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_photon_mapping_test {
@@ -221,14 +222,6 @@ INSTANTIATE_TEST_SUITE_P(Searches, GpuPhotonSearch,
                                          Search{0.08f, 20, 0.05f, 3000}, Search{5, 4000, 0.5f, 3000}),
                          [](const auto& info) { return test::test_name("search", info.index); });
 
-LayerSet all_layers() {
-    LayerSet layers;
-    for (const Layer layer :
-         {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::PhotonCount})
-        layers.add(layer);
-    return layers;
-}
-
 struct Choice {
     const char* scene;
     Gather gather;
@@ -245,7 +238,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     test::RenderSettingsOf<M> settings;
     settings.size = {28, 20};  // tiles cut at both edges
     settings.passes = 2;
-    settings.layers = all_layers();
+    settings.layers = test::photon_mapping_layers();
     settings.params.photons = 4000;
     settings.params.indirect_bounces = 6;
     settings.params.gather = choice.gather;

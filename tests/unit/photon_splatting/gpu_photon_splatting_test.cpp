@@ -9,6 +9,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/hard_scenes.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_photon_splatting_test {
@@ -107,7 +108,7 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, How how = How::Connect) 
     test::RenderSettingsOf<M> settings;
     settings.size = {40, 30};  // tiles cut at both edges
     settings.passes = passes;
-    for (const Layer layer : {Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Overlap}) settings.layers.add(layer);
+    settings.layers = test::photon_splatting_layers();
     settings.params.photons = 400;
     settings.params.bounces = 2;
     settings.params.splat_size_relative = 0.4f;

@@ -9,6 +9,7 @@
 #include "renderer/progressive/progressive_mapping_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/pipeline_layers.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_progressive_mapping_test {
@@ -32,8 +33,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     test::RenderSettingsOf<M> settings;
     settings.size = {28, 20};  // tiles cut at both edges
     settings.passes = 3;
-    for (const Layer layer : {Layer::Caustic, Layer::PhotonCount, Layer::Radius, Layer::BiasEstimate})
-        settings.layers.add(layer);
+    settings.layers = test::progressive_layers();
     settings.params.photons = 4000;
     settings.params.indirect_bounces = 6;
     settings.params.nearest_photons = 20;
