@@ -285,28 +285,31 @@ TEST_P(GpuPhotonMapping, LooksLikeTheCpus) {
     EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
 }
 constexpr PhotonSearch::Kind kNearest = PhotonSearch::Kind::Nearest, kRadius = PhotonSearch::Kind::Radius;
+// Choices that several tests make, so that their pipelines are compiled once.
+constexpr Choice kClippedBox{
+    .scene = "cornell-box", .gather = Gather::Direct, .search = kRadius, .boundary = DiscBoundary::Clip};
+constexpr Choice kGlass{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov};
+constexpr Choice kGatheringGlass{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian};
 template <class Info>
 std::string name_of(const Info& info) {
     return test::test_name(info.param.scene, info.index);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Choices, GpuPhotonMapping,
-    testing::Values(
-        Choice{.scene = "cornell-box", .gather = Gather::Direct, .search = kRadius, .boundary = DiscBoundary::Clip},
-        Choice{.scene = "cornell-box",
-               .gather = Gather::Final,
-               .search = kNearest,
-               .boundary = DiscBoundary::Clip,
-               .precomputed = true},
-        Choice{.scene = "cornell-box-spot",
-               .gather = Gather::Direct,
-               .search = kNearest,
-               .kernel = KernelShape::Cone,
-               .boundary = DiscBoundary::Clip},
-        Choice{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian},
-        Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
-        Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true}),
-    name_of<testing::TestParamInfo<Choice>>);
+INSTANTIATE_TEST_SUITE_P(Choices, GpuPhotonMapping,
+                         testing::Values(kClippedBox,
+                                         Choice{.scene = "cornell-box",
+                                                .gather = Gather::Final,
+                                                .search = kNearest,
+                                                .boundary = DiscBoundary::Clip,
+                                                .precomputed = true},
+                                         Choice{.scene = "cornell-box-spot",
+                                                .gather = Gather::Direct,
+                                                .search = kNearest,
+                                                .kernel = KernelShape::Cone,
+                                                .boundary = DiscBoundary::Clip},
+                                         kGatheringGlass, kGlass,
+                                         Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant,
+                                                true}),
+                         name_of<testing::TestParamInfo<Choice>>);
 INSTANTIATE_TEST_SUITE_P(
     LongChoices, GpuPhotonMapping,
     testing::Values(
@@ -318,21 +321,21 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(GpuPhotonMapping, SameDeviceSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     const test::SceneOnDevice where(scene);
-    const auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest});
+    const auto settings = settings_for<PhotonMappingGpu>(kGlass);
     EXPECT_EQ(test::render(where, settings).pixel_hash(), test::render(where, settings).pixel_hash());
 }
 
 TEST(GpuPhotonMapping, GathersTheSameBits) {
-    const Scene scene = make_builtin_scene("cornell-box");
+    const Scene scene = make_builtin_scene("cornell-box-glass");
     const test::SceneOnDevice where(scene);
-    const auto settings = settings_for<PhotonMappingGpu>({"", Gather::Final, kRadius});
+    const auto settings = settings_for<PhotonMappingGpu>(kGatheringGlass);
     EXPECT_EQ(test::render(where, settings).pixel_hash(), test::render(where, settings).pixel_hash());
 }
 
 TEST(GpuPhotonMapping, APassIsAPureFunctionOfItsIndex) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
-    auto whole = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest}), first = whole, rest = whole;
+    auto whole = settings_for<PhotonMappingGpu>(kClippedBox), first = whole, rest = whole;
     whole.passes = 3;
     first.passes = 1;
     rest.passes = 2;
@@ -347,8 +350,8 @@ TEST(GpuPhotonMapping, APassIsAPureFunctionOfItsIndex) {
 TEST(GpuPhotonMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
     Scene scene = test::turned(make_builtin_scene("cornell-box"));
     for (Material& material : scene.materials) material.base_color = Rgb(0.97f);
-    auto settings = settings_for<PhotonMapping>({"", Gather::Direct, kRadius});
-    auto on_gpu = settings_for<PhotonMappingGpu>({"", Gather::Direct, kRadius});
+    auto settings = settings_for<PhotonMapping>(kClippedBox);
+    auto on_gpu = settings_for<PhotonMappingGpu>(kClippedBox);
     settings.params.indirect_bounces = on_gpu.params.indirect_bounces = 20;
     Stats cpu_stats, gpu_stats;
     const Film cpu = test::render(scene, settings, &cpu_stats);
@@ -364,7 +367,7 @@ TEST(GpuPhotonMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
 TEST(GpuPhotonMapping, ACancelledPassIsNoPass) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
-    auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kRadius});
+    auto settings = settings_for<PhotonMappingGpu>(kClippedBox);
     settings.passes = 1;
     MemoryBudget budget;
     Stats stats;

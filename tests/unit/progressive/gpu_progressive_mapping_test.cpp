@@ -84,22 +84,22 @@ TEST_P(GpuProgressiveMapping, LooksLikeTheCpus) {
     else
         expect_alike<Stochastic, StochasticGpu>(choice);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Choices, GpuProgressiveMapping,
-    testing::Values(Choice{"cornell-box-glass", RadiusRule::Local},
-                    Choice{.scene = "cornell-box", .rule = RadiusRule::Local, .boundary = DiscBoundary::Clip},
-                    Choice{"cornell-box-glossy", RadiusRule::Tested, CurvatureTest::Radial},
-                    Choice{.scene = "cornell-box-glass",
-                           .rule = RadiusRule::Tested,
-                           .test = CurvatureTest::Sector,
-                           .radius_relative = 0.05f},
-                    Choice{"cornell-box-glass", RadiusRule::Trained}, Choice{"progressive/torus", RadiusRule::Global}),
-    [](const auto& info) { return test::test_name(info.param.scene, info.index); });
+// Choices that several tests make, so that their pipelines are compiled once.
+constexpr Choice kLocalGlass{"cornell-box-glass", RadiusRule::Local};
+constexpr Choice kClippedBox{.scene = "cornell-box", .rule = RadiusRule::Local, .boundary = DiscBoundary::Clip};
+constexpr Choice kTestedGlass{
+    .scene = "cornell-box-glass", .rule = RadiusRule::Tested, .test = CurvatureTest::Sector, .radius_relative = 0.05f};
+constexpr Choice kGlobalTorus{"progressive/torus", RadiusRule::Global};
+INSTANTIATE_TEST_SUITE_P(Choices, GpuProgressiveMapping,
+                         testing::Values(kLocalGlass, kClippedBox,
+                                         Choice{"cornell-box-glossy", RadiusRule::Tested, CurvatureTest::Radial},
+                                         kTestedGlass, Choice{"cornell-box-glass", RadiusRule::Trained}, kGlobalTorus),
+                         [](const auto& info) { return test::test_name(info.param.scene, info.index); });
 
 TEST(GpuProgressiveMapping, PassesStandAloneByTheirIndex) {
-    const Scene scene = make_builtin_scene("cornell-box-glass");
+    const Scene scene = make_builtin_scene(kGlobalTorus.scene);
     const test::SceneOnDevice where(scene);
-    auto whole = settings_for<ProbabilisticGpu>({"", RadiusRule::Global}), first = whole, rest = whole;
+    auto whole = settings_for<ProbabilisticGpu>(kGlobalTorus), first = whole, rest = whole;
     first.passes = 1;
     rest.passes = 2;
     rest.first_pass = 1;
@@ -117,8 +117,8 @@ RenderContext context_of(const test::SceneOnDevice& where, const test::RenderSet
 TEST(GpuProgressiveMapping, RunsThatGoOnMakeTheSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     const test::SceneOnDevice where(scene);
-    for (const RadiusRule rule : {RadiusRule::Local, RadiusRule::Tested}) {
-        const auto settings = settings_for<StochasticGpu>({"", rule});
+    for (const Choice& choice : {kLocalGlass, kTestedGlass}) {
+        const auto settings = settings_for<StochasticGpu>(choice);
         Film film(settings.size, settings.layers);
         std::string state;
         while (film.passes() < settings.passes) {
@@ -182,7 +182,7 @@ TEST(GpuProgressiveMapping, GoesOnFromTheCpusState) {
 TEST(GpuProgressiveMapping, GoesOnWithoutPhotons) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
-    auto settings = settings_for<StochasticGpu>({"", RadiusRule::Local});
+    auto settings = settings_for<StochasticGpu>(kClippedBox);
     settings.params.indirect_bounces = 0;
     settings.passes = 2;
     Film film(settings.size, settings.layers);
@@ -207,8 +207,8 @@ TEST(GpuProgressiveMapping, GoesOnWithoutPhotons) {
 TEST(GpuProgressiveMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
     Scene scene = test::turned(make_builtin_scene("cornell-box"));
     for (Material& material : scene.materials) material.base_color = Rgb(0.97f);
-    auto settings = settings_for<Stochastic>({"", RadiusRule::Local});
-    auto on_gpu = settings_for<StochasticGpu>({"", RadiusRule::Local});
+    auto settings = settings_for<Stochastic>(kClippedBox);
+    auto on_gpu = settings_for<StochasticGpu>(kClippedBox);
     settings.params.indirect_bounces = on_gpu.params.indirect_bounces = 20;
     settings.passes = on_gpu.passes = 1;
     const Film cpu = test::render(scene, settings);
