@@ -1,9 +1,8 @@
 // The reference of the HTTP interface: every operation of the daemon's own document, found by words, with examples that work.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { axeClean, eventually, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, fitsItsWidth, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 
@@ -26,7 +25,7 @@ test("every operation is there by its subject, is found by words and says what i
   await axeClean(page);
 
   await page.getByLabel("Find operations").fill("submit job");
-  await eventually(async () => assert.ok((await page.locator(".api-operation").count()) < 6));
+  await until(async () => assert.ok((await page.locator(".api-operation").count()) < 6));
   const submit = page.locator("#op-submitJob");
   await submit.locator("summary").first().click();
   await submit.getByText("Idempotency-Key").waitFor();
@@ -41,7 +40,7 @@ test("every operation is there by its subject, is found by words and says what i
   await shoot(page, "api-operation", { fullPage: true });
   await axeClean(page);
   // A link brings it back, opened.
-  await eventually(() => assert.equal(new URL(page.url()).searchParams.get("op"), "submitJob"));
+  await until(() => assert.equal(new URL(page.url()).searchParams.get("op"), "submitJob"));
   await page.reload();
   await page.locator("#op-submitJob .api-example").waitFor();
 

@@ -3,10 +3,9 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { afterEach, test } from "node:test";
 
 import { exrFile } from "./exr_file.mjs";
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, kPatienceMs, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 afterEach(() => daemon.idle());
@@ -120,7 +119,7 @@ test("the room begins with jobs that are worth a look beside each other", async 
   await page.getByRole("link", { name: "Compare these 3 images" }).click();
   await settled(page);
   assert.equal(await page.locator(".compare-images > li").count(), 3);
-  await eventually(() => assert.deepEqual(query(page).images.split(",").sort(), [...all].sort()));
+  await until(() => assert.deepEqual(query(page).images.split(",").sort(), [...all].sort()));
   // The one that the others were measured against is the reference by itself, once it is known what they are.
   await page.locator(".compare-images > li", { has: page.getByRole("radio", { checked: true }), hasText: reference.id }).waitFor();
   expectNoComplaints(page);
@@ -129,7 +128,7 @@ test("the room begins with jobs that are worth a look beside each other", async 
 test("the picture is the daemon's preview, by exposure, curve and zoom", async () => {
   const page = await open({ ...oneToOne, show: "3" });
   const equal = (path, width, height) =>
-    eventually(async () => {
+    until(async () => {
       const { greatest, share } = differences(await painted(page, width, height), await pictureAt(page, path));
       assert.ok(greatest <= 1 && share < 0.02, `${path}: by up to ${greatest}, in ${100 * share} % of the values`);
     });
@@ -180,12 +179,12 @@ test("error maps are the daemon's, and the signed one is what the float pixels s
   await settled(page);
   const flip = differences(await painted(page, kSide), await pictureAt(page, `/v1/jobs/${noisy.id}/flip.png`));
   assert.ok(flip.share < 0.05 && flip.greatest <= 8, JSON.stringify(flip));
-  await eventually(async () => assert.deepEqual(await page.locator(".compare-ticks span").allInnerTexts(), ["0", "0.25", "0.5", "0.75", "1"]));
+  await until(async () => assert.deepEqual(await page.locator(".compare-ticks span").allInnerTexts(), ["0", "0.25", "0.5", "0.75", "1"]));
 
   await choice(page, "Error").selectOption("signed");
   await page.getByLabel("Signed error at the ends of the scale").fill("0.2");
   await settled(page);
-  await eventually(async () => assert.deepEqual(await page.locator(".compare-ticks span").allInnerTexts(), ["−0.2", "−0.1", "0", "+0.1", "+0.2"]));
+  await until(async () => assert.deepEqual(await page.locator(".compare-ticks span").allInnerTexts(), ["−0.2", "−0.1", "0", "+0.1", "+0.2"]));
   const [x, r] = await Promise.all([noisy, reference].map((job) => floats(`/v1/jobs/${job.id}/pixels`)));
   const shown = await painted(page, kSide);
   let signs = 0;
@@ -230,7 +229,7 @@ test("dropped EXR files are compared; NaN is magenta, infinity striped cyan, and
   await page.getByText("faulty.exr is there").waitFor();
   await page.locator(".compare-dropping").waitFor({ state: "detached" });
   await settled(page);
-  await eventually(async () => assert.deepEqual(await page.locator(".compare-title").allInnerTexts(), ["plain.exr", "faulty.exr"]));
+  await until(async () => assert.deepEqual(await page.locator(".compare-title").allInnerTexts(), ["plain.exr", "faulty.exr"]));
   await page.getByText("Pixels that are not finite: 1 NaN, 3 ∞").waitFor(); // 70000 is beyond half precision
   await page.getByText("Values beyond half precision: 1.").waitFor();
   await choice(page, "Precision").selectOption("float");
@@ -299,7 +298,7 @@ test("view transforms, false colours, automatic exposure and the histogram are o
   await drop(page, [{ name: "known.exr", content: exrFile(width, height, { R: channel(0), G: channel(1), B: channel(2) }) }]);
   await page.getByText("known.exr is there").waitFor();
   await settled(page);
-  await eventually(() => assert.ok(query(page).images));
+  await until(() => assert.ok(query(page).images));
   const address = { images: query(page).images, precision: "float", zoom: String(zoom), at: `${width / 2},${height / 2}` };
   const colours = async () => {
     const large = await painted(page, width * zoom, height * zoom);
@@ -310,7 +309,7 @@ test("view transforms, false colours, automatic exposure and the histogram are o
   await settled(page);
   for (const [curve, wanted] of Object.entries(shown)) {
     await choice(page, "View transform").selectOption(curve);
-    await eventually(async () => {
+    await until(async () => {
       const found = await colours();
       assert.ok(near(found, wanted), `${curve}: ${found.join(" ")} for ${wanted.join(" ")}`);
     });
@@ -335,7 +334,7 @@ test("view transforms, false colours, automatic exposure and the histogram are o
   const logs = light.map(([r, g, b]) => Math.log2(0.2126 * r + 0.7152 * g + 0.0722 * b));
   const stops = Math.log2(0.18) - logs.reduce((sum, log) => sum + log, 0) / logs.length;
   await page.getByRole("button", { name: "Auto exposure" }).click();
-  await eventually(async () => assert.ok(Math.abs(Number(await page.getByLabel("Exposure in stops").inputValue()) - stops) < 0.011));
+  await until(async () => assert.ok(Math.abs(Number(await page.getByLabel("Exposure in stops").inputValue()) - stops) < 0.011));
   await page.getByRole("button", { name: "Exposure back to 0" }).click();
   await choice(page, "View transform").selectOption("srgb");
   // Of four colours one is above the luminance that is shown white.
@@ -351,14 +350,14 @@ test("images of other bounces are said to be of other light", async () => {
   await page.getByText("bounces of indirect light: all in image 1; 1 in image 2").waitFor();
   await page.goto(daemon.url + addressOf({ images: `job:${noisy.id},job:${photons.id}` }));
   await settled(page);
-  await eventually(async () => assert.equal(await page.locator(".compare-images > li a").count(), 2));
+  await until(async () => assert.equal(await page.locator(".compare-images > li a").count(), 2));
   assert.equal(await page.getByText("bounces of indirect light").count(), 0);
   expectNoComplaints(page);
 });
 
 test("keys flip, wipe, zoom, move and read; a link brings the very same picture back", async () => {
   const page = await open({});
-  const pressed = (label) => eventually(async () => assert.equal(await page.locator(`.compare-images button[aria-pressed=true]`).innerText(), label));
+  const pressed = (label) => until(async () => assert.equal(await page.locator(`.compare-images button[aria-pressed=true]`).innerText(), label));
   await page.keyboard.press("3");
   await pressed("3");
   await page.keyboard.press("[");
@@ -372,7 +371,7 @@ test("keys flip, wipe, zoom, move and read; a link brings the very same picture 
 
   await page.keyboard.press("w");
   const slider = page.getByRole("slider", { name: "Wipe" });
-  const wiped = (share) => eventually(async () => assert.equal(await slider.getAttribute("aria-valuenow"), share));
+  const wiped = (share) => until(async () => assert.equal(await slider.getAttribute("aria-valuenow"), share));
   await wiped("50");
   await page.keyboard.press(".");
   await wiped("52");
@@ -393,7 +392,7 @@ test("keys flip, wipe, zoom, move and read; a link brings the very same picture 
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("Shift+ArrowUp");
   // Between two keys the address may have followed already: it is waited for until it says what the last one came to.
-  const said = await eventually(async () => {
+  const said = await until(async () => {
     const now = query(page);
     assert.deepEqual([now.mode, now.show, now.exposure, now.curve, Number(now.wipe).toFixed(2)], ["wipe", "2", "0.5", "filmic", "0.25"]);
     assert.deepEqual([now.zoom, now.error], ["4", "signed"]);
@@ -409,8 +408,8 @@ test("keys flip, wipe, zoom, move and read; a link brings the very same picture 
   const link = await page.evaluate(() => navigator.clipboard.readText());
   const again = await openPage(daemon, link.slice(daemon.url.length));
   await settled(again);
-  await eventually(async () => assert.ok(before.equals(await painted(again, Math.floor(width) - 2, Math.floor(height) - 2)), "the linked view differs"));
-  await eventually(async () => assert.equal(await again.getByLabel("Pixel's column").inputValue(), said.pixel.split(",")[0]));
+  await until(async () => assert.ok(before.equals(await painted(again, Math.floor(width) - 2, Math.floor(height) - 2)), "the linked view differs"));
+  await until(async () => assert.equal(await again.getByLabel("Pixel's column").inputValue(), said.pixel.split(",")[0]));
 
   await page.keyboard.press("Escape");
   await page.keyboard.press("?");
@@ -431,7 +430,7 @@ test("a pixel's values are the daemon's, under the pointer and by keys", async (
   const near = async (px, py) => {
     await page.waitForFunction(([wx, wy]) => document.querySelector("[aria-label=\"Pixel's column\"]").value === String(wx) && document.querySelector("[aria-label=\"Pixel's row\"]").value === String(wy), [px, py]);
     const wanted = pixels.subarray(3 * (py * kSide + px), 3 * (py * kSide + px) + 3);
-    await eventually(async () => {
+    await until(async () => {
       const [red, green, blue, luminance] = await values();
       [red, green, blue].forEach((value, k) => assert.ok(Math.abs(value - wanted[k]) <= 1e-3 * Math.abs(wanted[k]) + 1e-7, `${value} for ${wanted[k]}`));
       assert.ok(Math.abs(luminance - (0.2126 * wanted[0] + 0.7152 * wanted[1] + 0.0722 * wanted[2])) < 1e-3 * luminance + 1e-7);
@@ -463,10 +462,10 @@ test("crops are drawn by hand, enlarged by whole pixels, and saved", async () =>
   await addressSays(page, "crops", "10,12,10,6");
   await settled(page);
   const strip = page.getByRole("region", { name: "Crop A of all images" });
-  await eventually(async () => assert.equal(await strip.locator("canvas").count(), 3));
+  await until(async () => assert.equal(await strip.locator("canvas").count(), 3));
   const preview = await pictureAt(page, `/v1/jobs/${noisy.id}/preview.png`);
   // A crop is drawn a moment after it is there.
-  await eventually(async () => {
+  await until(async () => {
     const crop = Buffer.from(await strip.locator("canvas").nth(1).evaluate((canvas) => [...canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data]));
     assert.equal(crop.length, 4 * 40 * 24);
     for (let y = 0; y < 24; ++y)
@@ -501,7 +500,7 @@ test("images of other sizes and layers, faulty links and missing jobs say what i
   await page.getByText("The images are of different sizes.").waitFor();
   await page.getByText("no error map: the reference has 48 × 48 pixels, this image 64 × 32").waitFor();
   await page.locator(".compare-note", { hasText: "J4000" }).waitFor();
-  await eventually(async () => assert.deepEqual(await page.locator(".notice[role=alert] li").allInnerTexts(), ["show=7: there are images 1 to 3", "curve=sepia: must be one of srgb, filmic, aces, agx, neutral, linear"]));
+  await until(async () => assert.deepEqual(await page.locator(".notice[role=alert] li").allInnerTexts(), ["show=7: there are images 1 to 3", "curve=sepia: must be one of srgb, filmic, aces, agx, neutral, linear"]));
   await axeClean(page);
   await page.getByRole("button", { name: /^Take J4000/ }).click();
   await choice(page, "Layer").selectOption({ label: "normal (1 of 2)" });
@@ -519,7 +518,7 @@ test("images are added from the newest jobs and by id", async () => {
   await page.getByRole("button", { name: "Add images …" }).first().click();
   const dialog = page.getByRole("dialog", { name: "Add images" });
   await dialog.getByLabel("Of the newest jobs").fill("photon 48");
-  await eventually(async () => assert.equal(await dialog.getByRole("checkbox").count(), 1));
+  await until(async () => assert.equal(await dialog.getByRole("checkbox").count(), 1));
   await dialog.getByRole("checkbox").check();
   await page.waitForFunction(() => [...document.querySelectorAll("dialog img")].every((image) => image.complete));
   await shoot(page, "compare-picker");
@@ -542,7 +541,7 @@ test("a job that runs is followed", async () => {
     await page.waitForFunction(() => !document.querySelector(".compare-note"));
     await settled(page);
     const first = await painted(page, kSide);
-    for (const end = Date.now() + kPatienceMs; first.equals(await painted(page, kSide)); await page.waitForTimeout(200)) assert.ok(Date.now() < end, "the picture stays the same");
+    await until(async () => assert.ok(!first.equals(await painted(page, kSide)), "the picture stays the same"));
   } finally {
     await daemon.json("DELETE", `/v1/jobs/${running.id}`);
   }
@@ -604,7 +603,7 @@ test("a graphics unit that is taken away comes back with the pictures", async ()
   await page.evaluate(() => window.taken.restoreContext());
   await lost.waitFor({ state: "detached" });
   await settled(page);
-  await eventually(async () => assert.ok(differences(await painted(page, kSide), await pictureAt(page, `/v1/jobs/${noisy.id}/preview.png?exposure=0.5`)).greatest <= 1));
+  await until(async () => assert.ok(differences(await painted(page, kSide), await pictureAt(page, `/v1/jobs/${noisy.id}/preview.png?exposure=0.5`)).greatest <= 1));
   expectNoComplaints(page);
 });
 

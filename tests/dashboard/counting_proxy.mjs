@@ -1,7 +1,8 @@
 // What stands between a browser and a daemon, hands everything on, and says what is under way; pictures can be held.
 
 import { createServer, request } from "node:http";
-import { after } from "node:test";
+
+import { after } from "./suite.mjs";
 
 export class CountingProxy {
   /** Requests that are not answered to their end yet, first come first. */

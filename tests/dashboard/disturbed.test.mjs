@@ -2,9 +2,8 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { cpus } from "node:os";
-import { test } from "node:test";
 
-import { axeClean, expectNoComplaints, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, expectNoComplaints, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 
@@ -19,7 +18,7 @@ test("a disturbed study offers to run its jobs again", async () => {
       entries: [{ label: "paths", method: { name: "path_tracing" } }],
       stop: { seconds: 0.4 },
     });
-    while (["queued", "running"].includes((study = await daemon.get(`/v1/comparisons/${study.id}`)).state)) await new Promise((done) => setTimeout(done, 100));
+    study = await daemon.over(`/v1/comparisons/${study.id}`);
   } finally {
     for (const loop of loops) loop.kill("SIGKILL");
   }
@@ -31,10 +30,8 @@ test("a disturbed study offers to run its jobs again", async () => {
   await shoot(page, "study-disturbed");
   await page.getByRole("button", { name: `Run ${job.id} again` }).click();
   // Which of the two counts depends on what else ran: that both are there does not.
-  do {
-    await new Promise((done) => setTimeout(done, 50));
-    study = await daemon.get(`/v1/comparisons/${study.id}`);
-  } while (study.repeats === 0 || ["queued", "running"].includes(study.state));
+  await until(async () => assert.notEqual((await daemon.get(`/v1/comparisons/${study.id}`)).repeats, 0));
+  study = await daemon.over(`/v1/comparisons/${study.id}`);
   assert.equal(study.repeats, 1);
   await page.getByText(study.warnings[0]).waitFor();
   await page.goto(`${daemon.url}/jobs/${job.id}`);

@@ -1,8 +1,7 @@
 // An EXR of photond dropped on a room opens the form with the request that it was rendered by.
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { expectNoComplaints, openPage, shoot, smallJob, startDaemon, test } from "./support.mjs";
 
 const daemon = await startDaemon();
 

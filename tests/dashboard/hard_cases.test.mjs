@@ -4,15 +4,14 @@ import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
-import { test } from "node:test";
 import { promisify } from "node:util";
 
-import { axeClean, bin, eventually, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, bin, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 const file = join(daemon.data, "hard-cases.json");
 const page = await openPage(daemon, "/studies/hard-cases");
-const counts = (what, wanted) => eventually(async () => assert.equal(await what.count(), wanted));
+const counts = (what, wanted) => until(async () => assert.equal(await what.count(), wanted));
 const open = (path) => page.getByLabel("Report of hard cases").setInputFiles(path);
 
 test("without a report it says how to make one", async () => {
@@ -62,7 +61,7 @@ test("what does not break is hidden on demand", async () => {
   await writeFile(broken, JSON.stringify(report));
   await open(broken);
   await page.locator(".hard-cell.breaks").waitFor();
-  await eventually(async () => assert.deepEqual(await page.locator(".hard-table tbody th").allTextContents(), [report.cases[1].name]));
+  await until(async () => assert.deepEqual(await page.locator(".hard-table tbody th").allTextContents(), [report.cases[1].name]));
   await axeClean(page);
 });
 

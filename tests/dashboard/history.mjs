@@ -4,10 +4,10 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
-import { after } from "node:test";
 import { fileURLToPath } from "node:url";
 
-import { bin } from "./support.mjs";
+import { bin } from "./daemon.mjs";
+import { after } from "./suite.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 

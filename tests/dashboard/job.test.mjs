@@ -4,12 +4,11 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { dirname, resolve } from "node:path";
-import { afterEach, test } from "node:test";
 import { fileURLToPath } from "node:url";
 
 import { historyOf } from "./history.mjs";
 import { CountingProxy } from "./counting_proxy.mjs";
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 
 const repository = resolve(dirname(fileURLToPath(import.meta.url)), "../..");
 // Old jobs among which some have failed.
@@ -38,7 +37,7 @@ test("shows what became of it and what it took", async () => {
   await panel("Facts").getByText("6 passes or relative_mse ≤ 1e-9").waitFor();
   await panel("Facts").getByText("light of more than 5 bounces").waitFor();
   const life = panel("State over time").getByRole("row");
-  await eventually(async () => assert.match(await life.last().innerText(), /attempt 1.*cpu.*6.*succeeded/s));
+  await until(async () => assert.match(await life.last().innerText(), /attempt 1.*cpu.*6.*succeeded/s));
   const stages = panel("Time by stage");
   for (const { name } of measured.statistics.stages) await stages.getByRole("cell", { name: name.replaceAll("_", " "), exact: true }).waitFor();
   const memory = panel("Memory");
@@ -59,7 +58,7 @@ test("shows the layer, the exposure and the error that the address says", async 
   await image.getByRole("img", { name: /^flip of/ }).waitFor();
   const proxy = await CountingProxy.before(daemon); // pictures are asked for by a worker, whose requests the page does not see
   await page.goto(`${proxy.url}/jobs/${measured.id}?layer=indirect&exposure=2&curve=filmic`);
-  await eventually(() => assert.ok(proxy.asked.some((line) => ["preview.png", "exposure=2", "layer=indirect"].every((part) => line.includes(part)))));
+  await until(() => assert.ok(proxy.asked.some((line) => ["preview.png", "exposure=2", "layer=indirect"].every((part) => line.includes(part)))));
   await image.getByRole("button", { name: "indirect", pressed: true }).waitFor();
   // Layers without a picture lead to where their numbers are.
   assert.match(await image.getByRole("link", { name: "depth" }).getAttribute("href"), /\/compare\?images=job:J\d+&layer=depth/);
@@ -116,12 +115,12 @@ test("the curve's axis ends, whatever moment it begins at", async () => {
 test("the request says what was asked for, and the rest when asked", async () => {
   const request = panel("Request");
   await page.goto(`${daemon.url}/jobs/${measured.id}`);
-  await eventually(async () => assert.equal(await request.getByText("gather", { exact: true }).count(), 1));
+  await until(async () => assert.equal(await request.getByText("gather", { exact: true }).count(), 1));
   // Which settings are as by default the page knows once it has the methods.
-  await eventually(async () => assert.equal(await request.getByText("gather rays").count(), 0));
+  await until(async () => assert.equal(await request.getByText("gather rays").count(), 0));
   await request.getByRole("button", { name: /Show the \d+ settings that are as by default/ }).click();
   await request.getByText("gather rays").waitFor();
-  await eventually(async () => assert.ok((await request.getByText("asked for", { exact: true }).count()) > 5));
+  await until(async () => assert.ok((await request.getByText("asked for", { exact: true }).count()) > 5));
 });
 
 test("its curl and Python lines give the same job", async () => {
@@ -182,7 +181,7 @@ test("lives while it runs: progress, picture, curve; is steered; and goes on", a
   await dialog.getByLabel("or after").fill("");
   await dialog.getByRole("button", { name: "Extend" }).click();
   await page.locator(".job-standing .state").getByText("succeeded").waitFor();
-  await eventually(async () => assert.equal((await daemon.get(`/v1/jobs/${job.id}`)).passes_done, cancelled.passes_done + 5));
+  await until(async () => assert.equal((await daemon.get(`/v1/jobs/${job.id}`)).passes_done, cancelled.passes_done + 5));
   await panel("State over time").getByText("attempt 2, going on").waitFor();
   // The next by its key.
   await page.keyboard.press("]");
@@ -203,7 +202,7 @@ test("a waiting job's priority is changed, and it is removed", async () => {
   await page.getByRole("button", { name: "Remove" }).click();
   await page.getByRole("dialog").getByRole("button", { name: "Remove" }).click();
   await page.waitForURL("**/jobs");
-  await eventually(async () => assert.equal((await fetch(`${daemon.url}/v1/jobs/${job.id}`)).status, 404));
+  await until(async () => assert.equal((await fetch(`${daemon.url}/v1/jobs/${job.id}`)).status, 404));
 });
 
 test("a job that failed says why, and one that is not there says so", async () => {
@@ -230,7 +229,7 @@ test("fits a telephone", async () => {
  * complain a moment after the page has said so.
  */
 async function allowing(of, pattern) {
-  await eventually(() => assert.ok(of.complaints.some((text) => pattern.test(text)), `nothing like ${pattern}`));
+  await until(() => assert.ok(of.complaints.some((text) => pattern.test(text)), `nothing like ${pattern}`));
   of.complaints = of.complaints.filter((text) => !pattern.test(text));
   return of;
 }

@@ -2,10 +2,9 @@
 // PHOTOND_MANY_JOBS=100000 measures it over the history that the page is made for.
 
 import assert from "node:assert/strict";
-import { afterEach, test } from "node:test";
 
 import { historyOf } from "./history.mjs";
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 
 const kJobs = Number(process.env.PHOTOND_MANY_JOBS ?? 4000);
 const daemon = await startDaemon({ data: historyOf(kJobs) });
@@ -97,7 +96,7 @@ test("scrolls by fetching what is looked at, and draws little meanwhile", async 
   await loaded();
   await becomesActive("J1");
   const last = rowOf("J1");
-  await eventually(async () => assert.equal(await last.getAttribute("aria-rowindex"), String(kJobs + 1)));
+  await until(async () => assert.equal(await last.getAttribute("aria-rowindex"), String(kJobs + 1)));
 });
 
 test("is read and picked by keys", async () => {
@@ -113,7 +112,7 @@ test("is read and picked by keys", async () => {
   await page.getByText("3 jobs selected").waitFor();
   await page.keyboard.press("Shift+ArrowUp");
   await page.getByText("2 jobs selected").waitFor();
-  await eventually(async () => assert.equal(await grid.locator("[aria-selected=true]").count(), 2));
+  await until(async () => assert.equal(await grid.locator("[aria-selected=true]").count(), 2));
   await shoot(page, "jobs");
   await axeClean(page);
   await page.keyboard.press("v");
@@ -137,7 +136,7 @@ test("opens a job and comes back to the place", async () => {
   await page.goBack();
   await loaded();
   await page.waitForFunction((wanted) => document.querySelector(`.jobs-job a[href="/jobs/${wanted}"]`), id);
-  await eventually(async () => assert.deepEqual((await shownIds()).slice(10, 20), before.slice(10, 20)));
+  await until(async () => assert.deepEqual((await shownIds()).slice(10, 20), before.slice(10, 20)));
   await becomesActive(id);
 });
 
@@ -155,7 +154,7 @@ test("is filtered by words, with suggestions, and by its address", async () => {
   const failed = (await daemon.get("/v1/jobs?view=summary&state=failed&limit=1")).total;
   await matching(failed);
   await loaded();
-  await eventually(async () => assert.equal(await grid.locator(".state:not(.failed)").count(), 0));
+  await until(async () => assert.equal(await grid.locator(".state:not(.failed)").count(), 0));
   await shoot(page, "jobs-failed");
   await page.keyboard.type("method:path_tracing ");
   const both = (await daemon.get("/v1/jobs?view=summary&state=failed&method=path_tracing&limit=1")).total;
@@ -165,7 +164,7 @@ test("is filtered by words, with suggestions, and by its address", async () => {
   await page.getByRole("button", { name: /^failed/, pressed: true }).waitFor();
   await go("/jobs?method=path_tracing&state=failed");
   await matching(both);
-  await eventually(async () => assert.equal(await page.locator("#jobs-filter").inputValue(), "state:failed method:path_tracing"));
+  await until(async () => assert.equal(await page.locator("#jobs-filter").inputValue(), "state:failed method:path_tracing"));
   await page.locator("#jobs-filter").fill("state:nonsense");
   await page.keyboard.press("Escape");
   await page.getByText("“nonsense” is none of queued, running, succeeded, failed, cancelled").waitFor();
@@ -247,7 +246,7 @@ test("many jobs are cancelled, given another priority, retried and removed, and 
   await dialog.getByText("That cannot be undone").waitFor();
   await dialog.getByRole("button", { name: "Remove 6 jobs" }).click();
   await page.getByText("No job matches.").waitFor();
-  await eventually(async () => assert.equal((await daemon.get("/v1/jobs?view=summary&label=bulk%3Dyes&limit=1")).total, 0));
+  await until(async () => assert.equal((await daemon.get("/v1/jobs?view=summary&label=bulk%3Dyes&limit=1")).total, 0));
 });
 
 test("fits a telephone", async () => {

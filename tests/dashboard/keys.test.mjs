@@ -1,8 +1,7 @@
 // The list of keys that work now.
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { axeClean, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, openPage, shoot, startDaemon, test } from "./support.mjs";
 
 const daemon = await startDaemon();
 

@@ -1,10 +1,9 @@
 // Ten tabs of one browser: it opens six connections to a host, and all of them live by one stream of events and ask for few
 // pictures at once, so that a button is never behind them.
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
 import { CountingProxy } from "./counting_proxy.mjs";
-import { eventually, expectNoComplaints, kPatienceMs, openPage, smallJob, startDaemon } from "./support.mjs";
+import { expectNoComplaints, openPage, smallJob, startDaemon, test, until } from "./support.mjs";
 
 const kPictures = /\.png/, kStreams = /\/v1\/events/;
 /** Whose passes take a while, so that its previews wait for them. */
@@ -19,7 +18,6 @@ async function tenTabs(url, job) {
   const tabs = [first];
   for (const room of rooms.slice(1)) {
     const tab = await first.context().newPage();
-    tab.setDefaultTimeout(kPatienceMs);
     await tab.goto(url + room);
     tabs.push(tab);
   }
@@ -37,13 +35,13 @@ async function cancelIn(tab) {
 test("ten tabs live by one stream, and Cancel waits for no picture", async () => {
   const proxy = await CountingProxy.before(daemon);
   const { id } = await daemon.submit(slowJob());
-  await eventually(async () => assert.ok((await daemon.get(`/v1/jobs/${id}`)).passes_done > 0));
+  await daemon.running(id, 1);
   proxy.hold();
   const tabs = await tenTabs(proxy.url, id);
   for (const tab of tabs) await tab.getByText("1 running, 0 waiting").waitFor();
   assert.equal(proxy.openOf(kStreams).length, 1, "one stream of events for all tabs");
   assert.equal(proxy.asked.filter((line) => kStreams.test(line)).length, 1);
-  await eventually(() => assert.equal(proxy.openOf(kPictures).length, 2));
+  await until(() => assert.equal(proxy.openOf(kPictures).length, 2));
   assert.equal(proxy.mostPictures, 2, "never more than two at once");
 
   const last = tabs.at(-1);
@@ -64,12 +62,12 @@ test("ten tabs live by one stream, and Cancel waits for no picture", async () =>
   await tabs[1].getByRole("img").first().waitFor();
   expectNoComplaints(tabs[0]);
   for (const tab of tabs.slice(1)) await tab.close();
-  await eventually(() => assert.equal(proxy.openOf(kStreams).length, 0, "the stream ends with the last tab"));
+  await until(() => assert.equal(proxy.openOf(kStreams).length, 0, "the stream ends with the last tab"));
 });
 
 test("Cancel reaches the daemon at once while it renders a slow pass", async () => {
   const { id } = await daemon.submit(slowJob({ image: { width: 1536, height: 1536 } }));
-  await eventually(async () => assert.ok((await daemon.get(`/v1/jobs/${id}`)).passes_done > 0));
+  await daemon.running(id, 1);
   const tabs = await tenTabs(daemon.url, id);
   for (const tab of tabs) await tab.getByText("1 running, 0 waiting").waitFor();
   assert.match(await (await fetch(`${daemon.url}/metrics`)).text(), /^photond_event_clients 1$/m);
@@ -90,6 +88,6 @@ test("a browser without workers that tabs share does the same for each tab", asy
   await page.goto(`${proxy.url}/jobs/${id}`);
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("button", { name: "Retry" }).waitFor();
-  await eventually(() => assert.equal(proxy.openOf(kStreams).length, 1));
+  await until(() => assert.equal(proxy.openOf(kStreams).length, 1));
   expectNoComplaints(page);
 });

@@ -1,9 +1,8 @@
 // A new comparison: by one press, and with everything chosen.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, expectNoComplaints, fitsItsWidth, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 // A job that ends before its first pass has no picture, and the page may ask for one before it hears of that.
@@ -45,7 +44,7 @@ test("entries, a sweep, budget and seeds are chosen; the estimate follows", asyn
   await page.getByRole("region", { name: "Reference" }).getByLabel("Passes").fill("16");
   await summary.locator("dt:text-is('Jobs') + dd:text-is('6')").waitFor();
   await summary.getByText("As JSON").click();
-  await eventually(async () => {
+  await until(async () => {
     const request = await json();
     assert.equal(request.scene, "keyhole");
     assert.deepEqual(request.image, { width: 32, height: 24 });
@@ -59,7 +58,7 @@ test("faults are said at their fields, and nothing is sent", async () => {
   await photons.getByLabel("Values").fill("100, 0");
   await photons.locator(".fault").getByText(/outside/).waitFor();
   await summary.locator("code").getByText("/entries/1/sweep/photons/1").waitFor();
-  await eventually(async () => assert.ok(await go.isDisabled()));
+  await until(async () => assert.ok(await go.isDisabled()));
   await axeClean(page);
   await photons.getByLabel("Values").fill("100, 200");
   await page.getByLabel("Width").fill("0");
@@ -72,7 +71,7 @@ test("a reload loses nothing, and the comparison can be had again and changed", 
   await page.reload();
   await summary.getByText(/MB at most/).waitFor();
   await summary.getByText("As JSON").click();
-  await eventually(async () => assert.deepEqual((await json()).seeds, [3, 4]));
+  await until(async () => assert.deepEqual((await json()).seeds, [3, 4]));
   const comparison = await sent();
   assert.equal(comparison.jobs.length, 6);
   await page.getByRole("link", { name: "Repeat or change it" }).click();

@@ -1,9 +1,8 @@
 // The form of a render: from nothing, from another job, and from its JSON.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { axeClean, eventually, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, fitsItsWidth, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 import { tinyGlb } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon();
@@ -11,8 +10,8 @@ const page = await openPage(daemon, "/render", { expected: /status of 422/ });
 const estimate = page.locator(".render-estimate");
 const json = () => page.getByLabel("The request as JSON");
 /** A form says what it came to a moment after it is written into. */
-const has = (field, value) => eventually(async () => assert.equal(await field.inputValue(), value));
-const says = (path, value) => eventually(async () => assert.deepEqual(JSON.parse(await json().inputValue())[path], value));
+const has = (field, value) => until(async () => assert.equal(await field.inputValue(), value));
+const says = (path, value) => until(async () => assert.deepEqual(JSON.parse(await json().inputValue())[path], value));
 const submitted = async () => {
   await page.getByRole("button", { name: "Render", exact: true }).click();
   await page.waitForURL(/\/jobs\/J\d+$/);
@@ -122,7 +121,7 @@ test("a view of the scene's page, and a scene by its name, are what the form sta
   await page.goto(`${daemon.url}/render?scene=keyhole&eye=0,1,4&target=0,1,0&yfov=0.6`);
   await page.locator(".render-json summary").click();
   await says("scene", "keyhole");
-  await eventually(async () => assert.deepEqual(JSON.parse(await json().inputValue()).camera.look_at.target.map(Math.round), [0, 1, 0]));
+  await until(async () => assert.deepEqual(JSON.parse(await json().inputValue()).camera.look_at.target.map(Math.round), [0, 1, 0]));
   await has(page.getByLabel("Camera"), "own");
 });
 
@@ -133,20 +132,19 @@ test("the size follows the shape that the camera asks for, and says so", async (
     nodes: [{ mesh: 0 }, { mesh: 1, translation: [0, 1, 0] }, { name: "wide", camera: 0, translation: [0, 0, 3] }, { name: "any", camera: 1, translation: [0, 0, 3] }],
     scenes: [{ nodes: [0, 1, 2, 3] }],
   });
-  const answer = await fetch(`${daemon.url}/v1/scenes?name=shaped`, { method: "POST", headers: { "Content-Type": "model/gltf-binary" }, body });
-  assert.equal(answer.status, 201, await answer.text());
+  await daemon.upload("shaped", body);
   await page.goto(`${daemon.url}/render?scene=shaped`);
   await page.getByTestId("shape").filter({ hasText: "The size follows the camera, whose file asks for 2:1." }).waitFor();
   const size = async () => [await page.getByLabel("Width").inputValue(), await page.getByLabel("Height").inputValue()].map(Number);
-  await eventually(async () => assert.equal((await size())[0], 2 * (await size())[1]));
+  await until(async () => assert.equal((await size())[0], 2 * (await size())[1]));
   await page.getByLabel("Height").fill("100");
-  await eventually(async () => assert.deepEqual(await size(), [200, 100]));
+  await until(async () => assert.deepEqual(await size(), [200, 100]));
   await page.getByLabel("Keep the shape").uncheck();
   await page.getByLabel("Height").fill("200");
   await page.getByTestId("shape").filter({ hasText: "asks for 2:1: this image shows more at its sides, or less" }).waitFor();
   assert.deepEqual(await size(), [200, 200]);
   await page.getByRole("button", { name: "Take the camera’s, 2:1" }).click();
-  await eventually(async () => assert.equal((await size())[0], 2 * (await size())[1]));
+  await until(async () => assert.equal((await size())[0], 2 * (await size())[1]));
   await page.getByLabel("Camera").selectOption("any");
   await page.getByTestId("shape").filter({ hasText: "The camera asks for no shape" }).waitFor();
 });

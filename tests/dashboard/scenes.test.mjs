@@ -1,9 +1,8 @@
 // Scenes: found, brought, looked at from anywhere, deleted.
 
 import assert from "node:assert/strict";
-import { afterEach, test } from "node:test";
 
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 import { tinyGlb, tinyGltf } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon({ arguments: ["--threads", "1"] });
@@ -12,7 +11,7 @@ afterEach(() => daemon.idle());
 
 /** The first of the cards come to be these. */
 const cardsAre = (page, names) =>
-  eventually(async () => assert.deepEqual((await page.locator(".scenes-card:not(.scenes-waits) strong").allInnerTexts()).slice(0, names.length), names));
+  until(async () => assert.deepEqual((await page.locator(".scenes-card:not(.scenes-waits) strong").allInnerTexts()).slice(0, names.length), names));
 const listed = (page, count) => page.waitForFunction((wanted) => document.querySelectorAll(".scenes-card:not(.scenes-waits)").length === wanted, count);
 const query = (page) => Object.fromEntries(new URL(page.url()).searchParams);
 const numbers = (text) => text.split(",").map(Number);
@@ -36,7 +35,7 @@ test("the gallery shows what there is, and its address says what is looked for",
   await cardsAre(page, ["cornell-box", "cornell-box-spot"]);
   const first = page.locator(".scenes-card img").first();
   await first.waitFor();
-  await eventually(async () => assert.equal(await first.evaluate((image) => image.complete && image.naturalWidth), 256));
+  await until(async () => assert.equal(await first.evaluate((image) => image.complete && image.naturalWidth), 256));
   await shoot(page, "scenes");
   await axeClean(page);
 
@@ -45,11 +44,11 @@ test("the gallery shows what there is, and its address says what is looked for",
   await listed(page, 2);
   await page.getByLabel("Order").selectOption("triangles");
   await cardsAre(page, ["cornell-box-glass", "cornell-box-glossy"]);
-  await eventually(() => assert.deepEqual(query(page), { q: "box gl", sort: "triangles" }));
+  await until(() => assert.deepEqual(query(page), { q: "box gl", sort: "triangles" }));
   await page.reload();
   await listed(page, 2);
   await cardsAre(page, ["cornell-box-glass", "cornell-box-glossy"]);
-  await eventually(async () => assert.equal(await page.getByLabel("Search").inputValue(), "box gl"));
+  await until(async () => assert.equal(await page.getByLabel("Search").inputValue(), "box gl"));
 
   await page.getByLabel("Search").fill("no such");
   await page.getByText("No scene has “no such” in its name.").waitFor();
@@ -63,7 +62,7 @@ test("the gallery shows what there is, and its address says what is looked for",
   await page.getByRole("link", { name: "Photon splatting's figures" }).click();
   await page.getByRole("link", { name: "photon-splatting/plate" }).click();
   await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
-  await eventually(() => assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate"));
+  await until(() => assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate"));
   // The daemon itself serves the page for a name with a slash.
   await page.reload();
   await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
@@ -90,7 +89,7 @@ test("scenes are brought by a drop or by choice, and what is wrong with one is s
   await drop(page, [{ name: "broken.glb", content: broken }]);
   const faults = page.locator(".scenes-upload.failed", { hasText: "broken" });
   await faults.waitFor();
-  await eventually(async () => assert.match(await faults.innerText(), /\/meshes\/0\/primitives\/0/));
+  await until(async () => assert.match(await faults.innerText(), /\/meshes\/0\/primitives\/0/));
   await drop(page, [{ name: "notes.txt", content: Buffer.from("?") }]);
   await page.getByText("notes.txt is not a scene").waitFor();
   await shoot(page, "scenes-uploads");
@@ -118,7 +117,7 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   // The link leads to the view as it is; the address follows once that is at rest, which it may have seemed before.
   const forward = page.getByRole("link", { name: "Render from here" });
   const atRest = () =>
-    eventually(async () => {
+    until(async () => {
       const now = query(page);
       const linked = new URL(await forward.getAttribute("href"), page.url()).searchParams;
       assert.ok(now.eye);
@@ -164,10 +163,10 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   const wanted = new URL(await forward.getAttribute("href"), page.url()).searchParams;
   await forward.click();
   await page.getByTestId("shown-by").filter({ hasText: /will be shown at [+−]?[\d.]+ stops, filmic, as the view was/ }).waitFor();
-  await eventually(async () => assert.deepEqual([await page.getByLabel("Width").inputValue(), await page.getByLabel("Height").inputValue()], [wanted.get("width"), wanted.get("height")]));
+  await until(async () => assert.deepEqual([await page.getByLabel("Width").inputValue(), await page.getByLabel("Height").inputValue()], [wanted.get("width"), wanted.get("height")]));
   // One side follows the other.
   await page.getByLabel("Width").fill("96");
-  await eventually(async () => assert.equal(await page.getByLabel("Height").inputValue(), "72"));
+  await until(async () => assert.equal(await page.getByLabel("Height").inputValue(), "72"));
   await page.locator("#render-stop-passes").fill("4");
   await page.getByRole("button", { name: "Render", exact: true }).click();
   await page.waitForURL(/\/jobs\/J\d+/);
@@ -231,7 +230,7 @@ test("two fingers pan a view, and a pinch comes nearer", async () => {
     await fingers.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
   };
   const orbit = () =>
-    eventually(() => {
+    until(() => {
       const members = query(page);
       assert.ok(members.eye && members.target);
       const [eye, target] = [members.eye, members.target].map((text) => text.split(",").map(Number));
@@ -241,7 +240,7 @@ test("two fingers pan a view, and a pinch comes nearer", async () => {
   const panned = await orbit();
   assert.ok(panned.target[0] < -0.1, `the target goes to the left: ${panned.target}`);
   await gesture([[0.4, 0.5], [0.6, 0.5]], [[0.3, 0.5], [0.7, 0.5]]);
-  const pinched = await eventually(async () => {
+  const pinched = await until(async () => {
     const now = await orbit();
     assert.ok(Math.hypot(...now.way) < 0.6 * Math.hypot(...panned.way), "nearer");
     return now;

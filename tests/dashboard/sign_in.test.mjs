@@ -4,9 +4,8 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { after, test } from "node:test";
 
-import { axeClean, bin, eventually, fitsItsWidth, kPatienceMs, kTelephone, openPage, shoot, startDaemon } from "./support.mjs";
+import { after, axeClean, bin, fitsItsWidth, kTelephone, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
 const folder = mkdtempSync(join(tmpdir(), "photond-tokens-"));
 after(() => rmSync(folder, { recursive: true, force: true }));
@@ -21,7 +20,6 @@ const field = (page) => page.getByLabel("Token", { exact: true });
 const shown = (page) => page.getByText("0 running, 0 waiting").waitFor();
 async function another(page) {
   const tab = await page.context().newPage();
-  tab.setDefaultTimeout(kPatienceMs);
   await tab.goto(daemon.url);
   return tab;
 }
@@ -58,7 +56,7 @@ test("a token that is to stay does, and is forgotten when one signs out", async 
   assert.equal(await second.evaluate(() => localStorage.getItem("photond.token")), token);
   await second.getByRole("button", { name: "Sign out" }).click();
   await field(second).waitFor();
-  await eventually(async () => assert.equal(await second.evaluate(() => localStorage.getItem("photond.token")), null));
+  await until(async () => assert.equal(await second.evaluate(() => localStorage.getItem("photond.token")), null));
 });
 
 test("on a telephone all that the bar has is within reach, and it leaves the room its place", async () => {

@@ -2,9 +2,8 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { afterEach, test } from "node:test";
 
-import { axeClean, eventually, expectNoComplaints, fitsItsWidth, kPatienceMs, openPage, shoot, startDaemon } from "./support.mjs";
+import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
 const daemon = await startDaemon();
 const request = (more = {}) => ({
@@ -32,11 +31,11 @@ const saved = async (press) => {
 const section = (name) => page.locator("section").filter({ has: page.getByRole("heading", { name, exact: true, level: 2 }) });
 const curves = () => page.locator(".study-plot-holder").first().locator("path");
 /** A figure is drawn a moment after what it is drawn of. */
-const seen = (what, wanted) => eventually(async () => assert.equal(await what(), wanted));
+const seen = (what, wanted) => until(async () => assert.equal(await what(), wanted));
 
 /** The report once the bias of every row is in it, which is measured after the last job. */
 const wholeReport = () =>
-  eventually(async () => {
+  until(async () => {
     const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
     assert.ok(report.table.every((row) => row.bias?.relative_mse), "a bias is not measured");
     return report;
@@ -52,13 +51,14 @@ test("the list is empty, then follows what runs", async () => {
 
 test("a study is followed to its verdict without a reload", async () => {
   await page.getByRole("status").filter({ hasText: "jobs done" }).waitFor();
-  await page.locator(".room-title + p .state.succeeded").waitFor({ timeout: 3 * kPatienceMs });
+  await daemon.succeeds(`/v1/comparisons/${study.id}`);
+  await page.locator(".room-title + p .state.succeeded").waitFor();
   const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
   const verdict = page.getByRole("region", { name: "Verdict" });
   const { text: headline } = report.headlines.find((one) => one.metric === "relative_mse");
   await verdict.getByRole("heading", { name: `${headline}.`, exact: true }).waitFor();
   const said = report.verdicts.filter((one) => one.metric === "relative_mse").map((one) => one.text.slice(1));
-  await eventually(async () => {
+  await until(async () => {
     const text = await verdict.textContent();
     assert.ok(said.length > 0 && said.every((one) => text.includes(one)), `${text}\n${said.join("\n")}`);
   });
@@ -77,7 +77,7 @@ test("the tables say what the daemon says", async () => {
   await seen(() => table.locator("thead th").count(), levels.length + 1);
   const reachable = levels.filter((_, i) => report.table.some((row) => row.time_to_error.relative_mse[i].seconds !== null)).length;
   assert.ok(reachable > 0);
-  await eventually(async () => assert.ok((await table.locator("td.study-best").count()) >= reachable));
+  await until(async () => assert.ok((await table.locator("td.study-best").count()) >= reachable));
   const csv = await saved(() => table.getByRole("button", { name: "CSV" }).click());
   const lines = csv.trim().split("\r\n");
   assert.equal(lines.length, 1 + 3 * levels.length);
@@ -93,7 +93,7 @@ test("bias stands apart from noise, with maps of where it is", async () => {
   const report = await wholeReport();
   const bias = section("Bias and noise apart");
   for (const row of report.table) await bias.getByRole("cell", { name: row.bias.relative_mse.text, exact: true }).first().waitFor();
-  const map = await eventually(() => daemon.get(`/v1/comparisons/${study.id}/rows/1/bias.json?layer=indirect`));  // 503 while others are drawn
+  const map = await until(() => daemon.get(`/v1/comparisons/${study.id}/rows/1/bias.json?layer=indirect`));  // 503 while others are drawn
   await bias.getByRole("combobox", { name: "Layer" }).selectOption("indirect");
   await bias.getByRole("img", { name: "Where photons & rays, photons 500 is biased, indirect" }).waitFor();
   await bias.getByText(map.text, { exact: true }).first().waitFor();
@@ -114,7 +114,7 @@ test("what is not told apart from 0 is an upper bound, and what is not gone belo
   await page.getByText(`: ${report.table[1].mark}.`).waitFor();
   await seen(() => page.locator(".study-plot-holder").first().locator('path[d^="M-5 0"]').count(), 1);
   await page.getByText("Arrows: upper bounds").waitFor();
-  const firstRow = (name, text) => eventually(async () => assert.match(await section(name).locator("tbody tr").first().innerText(), text));
+  const firstRow = (name, text) => until(async () => assert.match(await section(name).locator("tbody tr").first().innerText(), text));
   await firstRow("relative_mse after a time", /below 0\.004\s+\(-0\.006 to 0\.004\)/);
   await firstRow("What it cost", /below 0\.004\s+not told apart from 0/);
   await shoot(page, "study-bounds");

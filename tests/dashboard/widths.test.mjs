@@ -2,15 +2,14 @@
 // hits what it is to hit.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
 
-import { eventually, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 import { tinyGlb } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon();
 const reference = await daemon.run(smallJob({ stop: { passes: 16 }, labels: { study: "a-label-that-is-rather-long-for-a-column" } }));
 const job = await daemon.run(smallJob({ reference: `job:${reference.id}`, stop: { passes: 8 }, layers: ["normal", "depth"] }));
-const uploaded = await fetch(`${daemon.url}/v1/scenes?name=two-squares`, { method: "POST", headers: { "Content-Type": "model/gltf-binary" }, body: tinyGlb() }).then((answer) => answer.json());
+const uploaded = await daemon.upload("two-squares", tinyGlb());
 await daemon.run(smallJob({ scene: uploaded.id }));
 const sequence = await daemon.json("POST", "/v1/sequences", { scene: "moving/teleport", image: { width: 32, height: 32 }, method: { name: "stochastic_progressive_photon_mapping" }, stop: { passes: 1 }, to: 0.25, fps: 4 });
 const study = await daemon.json("POST", "/v1/comparisons", {
@@ -24,7 +23,7 @@ const study = await daemon.json("POST", "/v1/comparisons", {
   ],
   stop: { passes: 4 },
 });
-await eventually(async () => assert.ok(!["queued", "running"].includes((await daemon.get(`/v1/comparisons/${study.id}`)).state)));
+await daemon.succeeds(`/v1/comparisons/${study.id}`);
 
 /** An address, and what is there once the page shows what it is for. */
 const kPages = {
@@ -79,21 +78,31 @@ const kSmall = () =>
     .filter(({ element, box }) => box.width > 0 && !element.closest(".visually-hidden") && (box.width < 32 || box.height < 32))
     .map(({ element, box }) => `${box.width} by ${box.height}: ${element.tagName} ${element.className} ${element.textContent.trim().slice(0, 30)}`);
 
-for (const [name, [path, shown]] of Object.entries(kPages))
+/** Two windows, each of which shows one page after the other. */
+const windows = { desk: await openPage(daemon, "/", { width: 1440, height: 900 }), telephone: await openPage(daemon, "/", kTelephone) };
+
+/** The window once it shows what the page is for. */
+async function show(place, name) {
+  const page = windows[place];
+  const [path, shown] = kPages[name];
+  await page.goto(daemon.url + path);
+  await page.locator(shown).first().waitFor();
+  return page;
+}
+
+for (const name of Object.keys(kPages))
   test(`${name} fits a desk and a telephone`, async () => {
-    for (const [place, window] of [["desk", { width: 1440, height: 900 }], ["telephone", kTelephone]]) {
-      const page = await openPage(daemon, path, window);
-      await page.locator(shown).first().waitFor();
-      await eventually(async () => assert.deepEqual(await page.evaluate(kCut), [], `${path} on a ${place}`));
-      if (place === "telephone") assert.deepEqual(await page.evaluate(kSmall), [], path);
+    for (const place of Object.keys(windows)) {
+      const page = await show(place, name);
+      await until(async () => assert.deepEqual(await page.evaluate(kCut), [], `${page.url()} on a ${place}`));
+      if (place === "telephone") assert.deepEqual(await page.evaluate(kSmall), [], page.url());
       await shoot(page, `width-${name}-${place}`, { fullPage: true });
       expectNoComplaints(page);
     }
   });
 
 test("a table too wide for a telephone is scrolled within itself, by keys too", async () => {
-  const page = await openPage(daemon, `/studies/${study.id}`, { width: 390, height: 844 });
-  await page.locator(".scroll-x table").first().waitFor();
+  const page = await show("telephone", "study");
   const scrollers = page.locator(".scroll-x");
   for (const scroller of await scrollers.all()) {
     if (!(await scroller.evaluate((element) => element.scrollWidth > element.clientWidth + 1))) continue;
@@ -103,13 +112,12 @@ test("a table too wide for a telephone is scrolled within itself, by keys too", 
 });
 
 test("lists are cards on a telephone, with nothing of them out of sight", async () => {
-  for (const [path, shown] of [kPages.studies, kPages.sequences]) {
-    const page = await openPage(daemon, path, kTelephone);
-    await page.locator(shown).first().waitFor();
+  for (const name of ["studies", "sequences"]) {
+    const page = await show("telephone", name);
     await fitsItsWidth(page);
     for (const cell of await page.locator(".records td").all()) {
       const { x, width } = await cell.boundingBox();
-      assert.ok(x >= 0 && x + width <= kTelephone.width, `${path}: ${await cell.innerText()}`);
+      assert.ok(x >= 0 && x + width <= kTelephone.width, `${name}: ${await cell.innerText()}`);
     }
     const { width } = await page.locator("td.records-what").first().boundingBox();
     assert.ok(width > 300, `what it is has ${width} pixels`);
@@ -118,28 +126,27 @@ test("lists are cards on a telephone, with nothing of them out of sight", async 
 });
 
 test("the images to add are named by their scenes, each within its card", async () => {
-  const page = await openPage(daemon, "/compare", kTelephone);
+  const page = await show("telephone", "compare-start");
   await page.getByRole("button", { name: "Choose images …" }).click();
   const dialog = page.getByRole("dialog", { name: "Add images" });
   await dialog.getByText("two-squares, 48 × 48").waitFor();
   assert.equal(await dialog.getByText(uploaded.id).count(), 0);
   await dialog.getByLabel("Of the newest jobs").fill("two-squares");
-  await eventually(async () => assert.equal(await dialog.locator("li").count(), 1));
+  await until(async () => assert.equal(await dialog.locator("li").count(), 1));
   for (const card of await dialog.locator("li").all()) assert.ok(await card.evaluate((element) => element.scrollWidth <= element.clientWidth));
   await shoot(page, "telephone-add-images");
   expectNoComplaints(page);
 });
 
 test("the pictures to compare come first on a telephone", async () => {
-  const page = await openPage(daemon, kPages.compare[0], kTelephone);
-  await page.locator(kPages.compare[1]).first().waitFor();
+  const page = await show("telephone", "compare");
   const { y } = await page.locator(".compare-stage").boundingBox();
   assert.ok(y < 350, `they begin at ${y}`);
   expectNoComplaints(page);
 });
 
 test("no name in a figure lies over another, and a table says that there is more of it", async () => {
-  const page = await openPage(daemon, kPages.study[0], kTelephone);
+  const page = await show("telephone", "study");
   await page.getByRole("img", { name: "relative_mse at the end against peak memory", exact: true }).locator("svg").waitFor();
   const covered = await page.evaluate(() => {
     const found = [];
@@ -162,18 +169,16 @@ test("no name in a figure lies over another, and a table says that there is more
 test("who points with a finger is told what a finger does", async () => {
   const kMouse = /Shift to pan|Ctrl\+Enter|with the mouse|Drop a|dropped anywhere|or drop /;
   for (const [name, finger] of [["scene", "two fingers pan it"], ["scenes", "A scene is a"], ["render", "with a finger"], ["compare-start", "Two to nine images"], ["hard-cases", "Scenes whose answer is known"], ["now", "photond"]]) {
-    const page = await openPage(daemon, kPages[name][0], kTelephone);
+    const page = await show("telephone", name);
     await page.getByText(finger).first().waitFor();
     assert.doesNotMatch(await page.locator("body").innerText(), kMouse, name);
-    await page.context().close();
-    const desk = await openPage(daemon, kPages[name][0]);
-    await desk.locator(kPages[name][1]).first().waitFor();
+    const desk = await show("desk", name);
     assert.doesNotMatch(await desk.locator("main").innerText(), /finger/, name);
   }
 });
 
 test("a box of the list of jobs is picked anywhere in its cell", async () => {
-  const page = await openPage(daemon, "/jobs", kTelephone);
+  const page = await show("telephone", "jobs");
   const cell = page.locator(".jobs-space .jobs-pick").first();
   const { width, height } = await cell.boundingBox();
   await cell.click({ position: { x: width / 2, y: height - 6 } });
@@ -184,7 +189,7 @@ test("a box of the list of jobs is picked anywhere in its cell", async () => {
 });
 
 test("a job's log begins with a whole line, and its figures are in one line each", async () => {
-  const page = await openPage(daemon, kPages.job[0], kTelephone);
+  const page = await show("telephone", "job");
   const log = page.locator(".job-log");
   await log.getByText("succeeded").waitFor();
   const { top, line, room, whole } = await log.evaluate((element) => ({
@@ -201,7 +206,7 @@ test("a job's log begins with a whole line, and its figures are in one line each
 });
 
 test("on a telephone no scene to choose covers another, and a subject of the API stands apart from its count", async () => {
-  const page = await openPage(daemon, kPages["new-study"][0], kTelephone);
+  const page = await show("telephone", "new-study");
   await page.locator(".new-study-scene").nth(8).waitFor(); // more than its box has room for
   for (const scene of await page.locator(".new-study-scene").all()) assert.ok(await scene.evaluate((tile) => tile.scrollHeight <= tile.clientHeight + 1), await scene.innerText());
   await page.goto(daemon.url + kPages.api[0]);

@@ -4,8 +4,8 @@
   select_cases.py BUILD [-L LABEL | -LE LABEL] [-R REGEX] [-E REGEX] --list
         prints every name that fits
   select_cases.py BUILD [-L LABEL | -LE LABEL] [-R REGEX] [-E REGEX] --cases FILE
-        writes the GoogleTest cases to FILE, for PHOTOND_TEST_CASES, and prints the expression of the entries of ctest
-        that hold what fits; the exit status is 3 where nothing does
+        writes GoogleTest's cases and the browser's files to FILE, for PHOTOND_TEST_CASES, and prints the expression of
+        the entries of ctest that hold what fits; the exit status is 3 where nothing does
 
 Where -R stands several times, a name has to fit all of them; -E likewise leaves out what fits one of them.
 """
@@ -31,7 +31,9 @@ def entries(build, labels):
 
 
 def cases_of(command, known={}):
-    """["SUITE.CASE", ...] of a GoogleTest program, None of any other."""
+    """["SUITE.CASE", ...] of a GoogleTest program, ["FILE", ...] of the browser's, None of any other."""
+    if command[-1].endswith("/run_tests.mjs"):
+        return subprocess.run([*command, "--list"], check=True, capture_output=True, text=True).stdout.split()
     if not any(argument.startswith("--gtest_filter") for argument in command):
         return None
     key = tuple(command)
