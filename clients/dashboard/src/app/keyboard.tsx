@@ -1,7 +1,7 @@
 // Keys: a room says which it has while it is shown, and "?" lists all that work now.
 
 import { signal } from "@preact/signals";
-import { useEffect, useLayoutEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 
 import { Dialog } from "../ui/dialog";
 
@@ -71,7 +71,7 @@ export const showKeys = () => (helpShown.value = true);
 
 /** Listens for keys, and holds the list of them. Once, in the shell. */
 export function Keyboard() {
-  useEffect(() => {
+  useLayoutEffect(() => {
     document.addEventListener("keydown", onKey);
     return () => document.removeEventListener("keydown", onKey);
   }, []);

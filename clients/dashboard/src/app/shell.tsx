@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { useLocation } from "preact-iso";
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { connection, daemonStatus } from "../api/events";
 import { signOut } from "../api/shared";
@@ -65,7 +65,8 @@ function Navigation() {
 function useMenu() {
   const [open, setOpen] = useState(false);
   const bar = useRef<HTMLElement>(null);
-  useEffect(() => {
+  // With the drawing and not after it: the key or the touch that closes the menu may come before the next frame.
+  useLayoutEffect(() => {
     if (!open) return;
     const close = () => setOpen(false);
     const elsewhere = (event: Event) => bar.current?.contains(event.target as Node) || close();
