@@ -12,11 +12,15 @@ import { setTimeout as pause } from "node:timers/promises";
 
 const kBetweenLooksMs = 50;
 const kNoteAfterMs = 60_000;
+/** What looking again does not mend: a page that is gone, as Playwright says it, and a fault of the test's own. */
+const isFinal = (failure) => failure instanceof ReferenceError || /has been closed|crashed/.test(failure.message);
 
 /** What has to live for a test to get done. When a part of it dies, all that waits fails, and says which part it was. */
 export class Lifeline {
   /** Why it is cut; null while all of it lives. */
   lost = null;
+  /** Why the wait that goes on has not ended yet: the last that its check has thrown. */
+  waitsFor = null;
   #cut;
   #end = new Promise((_, fail) => (this.#cut = fail));
 
@@ -35,7 +39,7 @@ export class Lifeline {
     return Promise.race([this.#end, work()]);
   }
 
-  /** What `check` gives once it does not throw any more. */
+  /** What `check` gives once it does not throw any more; fails when its page is gone. */
   async until(check) {
     for (;;) {
       if (this.lost) throw this.lost;
@@ -44,7 +48,8 @@ export class Lifeline {
         this.waitsFor = null;
         return found;
       } catch (failure) {
-        this.waitsFor = failure; // for who asks why a test takes so long
+        if (isFinal(failure)) throw failure;
+        this.waitsFor = failure;
       }
       await pause(kBetweenLooksMs);
     }
@@ -67,8 +72,10 @@ class Suite {
     this.name = name;
   }
 
-  /** Reads the file, runs its cases and closes what it has opened. `context` is node's, of the
-   *  test that the file is; `costs` notes what each case costs. */
+  /**
+   * Reads the file, runs its cases and closes what it has opened. `context` is node's, of the test that the file is; `costs`
+   * notes what each case costs.
+   */
   async run(file, context, costs) {
     const before = current;
     current = this;
@@ -81,15 +88,26 @@ class Suite {
           try {
             await this.#attempts(name, [() => run(ofCase), ...this.afterEach]);
           } finally {
-            for (const close of this.ofCase.reverse()) await close();
+            const opened = this.ofCase;
             this.ofCase = null;
+            await this.#close(opened);
             costs.end(begun, `${this.name}.${name}`);
           }
         });
     } finally {
-      for (const close of this.closing.reverse()) await close();
+      await this.#close(this.closing);
       current = before;
     }
+  }
+
+  /** Last come first. What does not close because something has died is not what is the matter. */
+  async #close(opened) {
+    for (const close of opened.reverse())
+      try {
+        await close();
+      } catch (failure) {
+        if (!this.lifeline.lost) throw failure;
+      }
   }
 
   /** Does one after the other, though one fails; fails by the first failure, or by the death that is behind it. */
