@@ -26,7 +26,7 @@ class Daemon {
     this.#lifeline = lifeline;
     this.data = data;
     const file = openSync(log, "a");
-    this.process = spawn(join(bin, "photond"), ["--data", data, "--repeats", "0", ...more], { stdio: ["ignore", "pipe", file] });
+    this.process = spawn(join(bin, "photond"), ["--data", data, "--repeats", "0", "--threads", "1", ...more], { stdio: ["ignore", "pipe", file] });
     closeSync(file);
     this.ended = once(this.process, "exit").then(([code, signal]) => {
       const end = readFileSync(log, "utf8").trimEnd().split("\n").slice(-kLinesOfLog).join("\n");
@@ -159,6 +159,7 @@ export const smallJob = (more = {}) => ({
 /**
  * A daemon on a free port of loopback, its workers ready; it ends with the file's tests. `data`: a folder to keep the data
  * in (else a fresh one, removed at the end); `listen`: such as "127.0.0.1:8123"; `arguments`: more for its command line.
+ * Its worker has one thread: what it renders while pages are looked at is paid for and not waited for.
  */
 export async function startDaemon({ data, listen = "127.0.0.1:0", arguments: more = [] } = {}) {
   const home = mkdtempSync(join(tmpdir(), "photond-dashboard-"));

@@ -10,7 +10,7 @@ import { after, afterEach, axeClean, expectNoComplaints, fitsItsWidth, openPage,
 
 const data = mkdtempSync(join(tmpdir(), "photond-now-"));
 after(() => rmSync(data, { recursive: true, force: true }));
-let daemon = await startDaemon({ data, arguments: ["--threads", "1"] });
+let daemon = await startDaemon({ data });
 
 afterEach(() => daemon.idle());
 
@@ -119,7 +119,7 @@ test("a daemon that is gone is said to be, and the page goes on by itself when i
   await card(page, job.id).waitFor();
   await axeClean(page);
   writeFileSync(join(data, "films", "left_behind.film"), "of a store that is not this one");
-  daemon = await startDaemon({ data, listen: new URL(daemon.url).host, arguments: ["--threads", "1"] });
+  daemon = await startDaemon({ data, listen: new URL(daemon.url).host });
   await page.getByText("What is shown is the last it said").waitFor({ state: "detached" });
   await card(page, job.id).waitFor();
   await daemon.running(job.id); // again, so that what is submitted next waits for it

@@ -2,10 +2,11 @@
 
 import assert from "node:assert/strict";
 
+import { CountingProxy } from "./counting_proxy.mjs";
 import { afterEach, axeClean, expectNoComplaints, fitsItsWidth, kTelephone, openPage, shoot, smallJob, startDaemon, test, until } from "./support.mjs";
 import { tinyGlb, tinyGltf } from "./tiny_glb.mjs";
 
-const daemon = await startDaemon({ arguments: ["--threads", "1"] });
+const daemon = await startDaemon();
 
 afterEach(() => daemon.idle());
 
@@ -52,6 +53,14 @@ test("the gallery shows what there is, and its address says what is looked for",
 
   await page.getByLabel("Search").fill("no such");
   await page.getByText("No scene has “no such” in its name.").waitFor();
+  expectNoComplaints(page);
+});
+
+test("families of scenes, and a scene whose name has a slash, have their addresses", async () => {
+  // The pictures of all these scenes are not what is looked at, and dear: they are held.
+  const proxy = await CountingProxy.before(daemon);
+  proxy.hold();
+  const page = await openPage({ url: proxy.url }, "/scenes?q=no+such");
   for (const [family, scenes] of [["Details of rooms", 7], ["Caustics", 1], ["Progressive photon mapping", 6], ["Moving", 6], ["Photon splatting's figures", 3]]) {
     await page.getByRole("link", { name: family }).click();
     await listed(page, scenes);

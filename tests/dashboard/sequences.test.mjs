@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 
 import { afterEach, axeClean, fitsItsWidth, openPage, shoot, startDaemon, test, until } from "./support.mjs";
 
-const daemon = await startDaemon({ arguments: ["--threads", "1"] });
+const daemon = await startDaemon();
 
 afterEach(() => daemon.idle());
 
