@@ -52,7 +52,7 @@ def main():
                     job = daemon.submit({"scene": scene, "image": {"width": width, "height": height},
                                          "method": {"name": method["name"], "device": devices[device]},
                                          "stop": {"seconds": arguments.seconds}})
-                    job = daemon.wait_for_job(job["id"], timeout_s=600)
+                    job = daemon.wait_for_job(job["id"])
                     if job["state"] != "succeeded":
                         print(f"| {scene} | {method['name']} | {device} | {job['state']}: {job['error']['message']} |||||||",
                               flush=True)

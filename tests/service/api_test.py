@@ -13,14 +13,14 @@ import unittest
 import urllib.parse
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, DaemonTestCase, patience, small_job, wait_until
+from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
 
 
 class EventStream:
     """Reads server-sent events."""
 
     def __init__(self, daemon, path, last_event_id=None, headers=None):
-        self.connection = http.client.HTTPConnection(daemon.address, daemon.port, timeout=patience())
+        self.connection = http.client.HTTPConnection(daemon.address, daemon.port)
         headers = dict(headers or {})
         if last_event_id is not None:
             headers["Last-Event-ID"] = str(last_event_id)
@@ -279,7 +279,7 @@ class ApiTest(DaemonTestCase):
         self.assertEqual((reply.status, reply.json["id"]), (202, job_id))
         self.daemon.wait_for_job(job_id, states=("running",))
         self.assertIn(self.request("DELETE", f"/v1/jobs/{job_id}?purge=true").status, (200, 202))
-        wait_until(lambda: self.request("GET", f"/v1/jobs/{job_id}").status == 404, "it is not removed")
+        self.daemon.wait_until(lambda: self.request("GET", f"/v1/jobs/{job_id}").status == 404, "it is removed")
         self.assert_problem(self.request("GET", f"/v1/jobs/{job_id}"), 404, "not_found")
 
     def test_the_film_so_far(self):
@@ -395,7 +395,7 @@ class TokensTest(unittest.TestCase):
             self.assertEqual([reply.status for reply in replies], [401] * 10)
 
             def answered_after_others():
-                guesser = http.client.HTTPConnection(daemon.address, daemon.port, timeout=patience())
+                guesser = http.client.HTTPConnection(daemon.address, daemon.port)
                 guesser.request("GET", "/v1/jobs", headers={"Authorization": "Bearer guess-10"})
                 for _ in range(3):
                     self.assertEqual(status(tokens["read"]).status, 200)

@@ -13,10 +13,10 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, patience, small_job, wait_until
+from photond_daemon import BIN, Daemon, small_job
 
 OK, FAULTS, FAILED = 0, 2, 1
-LONGER = {"size": 64, "passes": 1500}
+LONGER = {"size": 64, "passes": 600}
 HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129]) * 2
 PHOTONS = {**small_job(size=16), "method": {"name": "photon_mapping", "parameters": {
     "photons": 1000, "gather": "direct", "keep_photon_map": True}}}
@@ -34,7 +34,7 @@ class DataCase(unittest.TestCase):
         self.data = self.folder / "data"
 
     def start(self, data, *options):
-        daemon = Daemon("--save-seconds", 0.2, *options, data_dir=data)
+        daemon = Daemon("--save-seconds", 0.05, "--threads", 1, *options, data_dir=data)
         self.addCleanup(daemon.close)
         daemon.wait_ready()
         return daemon
@@ -48,8 +48,7 @@ class DataCase(unittest.TestCase):
         return scene.json["id"], image.json["id"]
 
     def photond(self, *arguments, status):
-        ended = subprocess.run([BIN / "photond", *arguments], capture_output=True, text=True, timeout=patience(),
-                               check=False)
+        ended = subprocess.run([BIN / "photond", *arguments], capture_output=True, text=True, check=False)
         self.assertEqual(ended.returncode, status, ended)
         return ended
 
@@ -72,7 +71,7 @@ class DataCase(unittest.TestCase):
     def photonctl(self, *arguments, daemon=None, status=0):
         daemon = daemon or self.daemon
         ended = subprocess.run([BIN / "photonctl", *map(str, arguments)], capture_output=True, text=True,
-                               timeout=patience(), check=False,
+                               check=False,
                                env={**os.environ, "PHOTOND_URL": f"http://127.0.0.1:{daemon.port}"})
         self.assertEqual(ended.returncode, status, ended)
         return ended
@@ -98,7 +97,7 @@ class CheckTest(DataCase):
         running = self.daemon.submit(small_job(size=64, passes=100_000_000))
         waiting = self.daemon.submit(small_job(scene=scene))
         film = self.data / "films" / f"{running['id']}-1.film"
-        wait_until(film.exists, "no film was saved")
+        self.daemon.wait_until(film.exists, "a film is saved", job=running["id"])
         self.daemon.kill()
         films = self.data / "films"
         (films / f"{ids[0]}-1.film").unlink()
@@ -160,8 +159,7 @@ class BackupTest(DataCase):
         expected = hash_of(self.daemon.run_job(small_job(**LONGER)))
         running = self.daemon.submit(small_job(**LONGER))
         waiting = self.daemon.submit(small_job(scene=scene, size=16, seed=4))
-        wait_until(lambda: list((self.data / "films").glob(running["id"] + "-1.film")), "no film was saved")
-        time.sleep(0.1)  # the daemon hears of it
+        self.daemon.wait_for_kept_film(running["id"])
         backup = self.folder / "backup"
         said = self.photonctl("backup", backup)
         self.assertIn("files", said.stdout)

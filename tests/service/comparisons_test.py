@@ -11,11 +11,10 @@ import json
 import pathlib
 import re
 import sys
-import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import OVER, Daemon, deadline_after, small_job, wait_until  # noqa: E402
+from photond_daemon import OVER, Daemon, small_job  # noqa: E402
 
 PHOTONS = {"name": "photon_mapping", "parameters": {"gather_rays": 1}}
 LABEL = "<script>alert('x')</script> & \"paths\""
@@ -38,14 +37,7 @@ def submit(daemon, body, key=None):
 
 
 def wait_for(daemon, comparison_id, states=OVER):
-    deadline = deadline_after()
-    while True:
-        found = daemon.request("GET", f"/v1/comparisons/{comparison_id}").json
-        if found["state"] in states:
-            return found
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"comparison {comparison_id} is {found['state']}: {found['job_states']}\n{daemon.log()[-4000:]}")
-        time.sleep(0.02)
+    return daemon.wait_for_state(f"/v1/comparisons/{comparison_id}", states)
 
 
 def errors_at_passes(daemon, found):
@@ -204,10 +196,18 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
             self.assertEqual(change({"notes": None}).status, 200)
             self.assertEqual(remarks(), ("Another", None))
 
+    def wait_until_removed(self, removed):
+        """After a comparison was purged: until no job of it runs any more, and nothing is left of it."""
+        def is_gone():
+            return self.daemon.request("GET", f"/v1/comparisons/{removed['id']}").status == 404 and all(
+                self.daemon.request("GET", f"/v1/jobs/{job['id']}").status == 404 for job in removed["jobs"])
+        self.daemon.wait_until(is_gone, f"{removed['id']} and its jobs are removed", look_every_s=0.02)
+
     def test_the_echo_asks_for_the_same(self):
         again = submit(self.daemon, self.found["request"]).json
         self.assertEqual(again["request"], self.found["request"])
         self.daemon.request("DELETE", f"/v1/comparisons/{again['id']}?purge=true")
+        self.wait_until_removed(again)
 
     def test_a_key_is_one_comparison(self):
         body = comparison(passes=2, seeds=[5])
@@ -272,10 +272,7 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
         second = submit(self.daemon, long).json
         self.daemon.wait_for_job(second["jobs"][0]["id"], ("running",))
         self.assertEqual(self.daemon.request("DELETE", f"/v1/comparisons/{second['id']}?purge=true").status, 202)
-        deadline = deadline_after()
-        while any(self.daemon.request("GET", f"/v1/jobs/{job['id']}").status != 404 for job in second["jobs"]):
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.02)
+        self.wait_until_removed(second)
         self.assertEqual(self.daemon.request("GET", f"/v1/comparisons/{second['id']}").status, 404)
         films = {path.name.split("-")[0] for path in (self.daemon.data_dir / "films").iterdir()}
         self.assertFalse(films & {job["id"] for job in second["jobs"]})
@@ -321,7 +318,7 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
             path = f"/v1/comparisons/{self.found['id']}/report.html"
             known = {"If-None-Match": self.get(path).headers["etag"]}
             return self.daemon.request("GET", path, headers=known).status == 304
-        wait_until(is_known, "the page is another each time")
+        self.daemon.wait_until(is_known, "the page is the same as before")
 
     def test_a_page_of_what_is_under_way_says_so(self):
         blocking = self.daemon.submit({**small_job(size=16), "stop": {"seconds": 600}})["id"]
@@ -345,11 +342,7 @@ class RestartTest(SameErrors, unittest.TestCase):
             found = submit(daemon, body, "key").json
             for step in (1, 3, 5):  # jobs of the comparison: each time another one is under way
                 job_id = found["jobs"][step]["id"]
-                while True:
-                    job = daemon.job(job_id)
-                    if job["state"] in OVER or job["passes_done"] > 0:
-                        break
-                    time.sleep(0.005)
+                daemon.wait_for_job_that(lambda job: job["state"] in OVER or job["passes_done"] > 0, "to be under way", job_id)
                 daemon.kill()
                 daemon.start()
                 daemon.wait_ready()

@@ -8,7 +8,7 @@ import time
 import unittest
 
 from busy_loops import CORES, BusyLoops
-from photond_daemon import BIN, DaemonTestCase, small_job, wait_until
+from photond_daemon import BIN, DaemonTestCase, small_job
 
 UNDISTURBED = 0.98
 SENTENCE = r"^\S+ m?s of its processor time \(\d+ %\) were lost to .*: its clock cannot be compared; run it again\.$"
@@ -30,7 +30,7 @@ class CoresTest(DaemonTestCase):
 
     def test_a_busy_loop_is_named(self):
         with BusyLoops():
-            job = self.daemon.run_job(timed_job(1.5))
+            job = self.daemon.run_job(timed_job(0.7))
         statistics = job["statistics"]
         if statistics["cores"]["run_delay_seconds"] is None:
             self.assertIsNone(statistics["shared"])
@@ -65,12 +65,11 @@ class QuietMachineTest(DaemonTestCase):
 
     def test_begins_all_the_same_when_the_machine_stays_busy(self):
         with BusyLoops():
-            job = self.daemon.submit(small_job(quiet_machine=4))
+            job = self.daemon.submit(small_job(quiet_machine=2))
 
-            def found_waiting():
-                found = self.daemon.job(job["id"])
-                return found["waiting_for"] == "a quiet machine" and found
-            self.assertEqual(wait_until(found_waiting, "it does not wait")["state"], "queued")
+            found = self.daemon.wait_for_job_that(lambda job: job["waiting_for"] == "a quiet machine",
+                                                  "to wait for a quiet machine", job["id"])
+            self.assertEqual(found["state"], "queued")
             listed = self.daemon.request("GET", "/v1/jobs?view=summary&state=queued").json["items"]
             self.assertEqual([row["waiting_for"] for row in listed], ["a quiet machine"])
             behind = self.daemon.submit(small_job())  # keeps its place
@@ -78,7 +77,7 @@ class QuietMachineTest(DaemonTestCase):
             done = self.daemon.wait_for_job(job["id"])
         self.assertEqual(done["state"], "succeeded")
         self.assertIsNone(done["waiting_for"])
-        self.assertRegex(self.log(job), r"waits until nothing else runs on the machine, at most 4 s\n")
+        self.assertRegex(self.log(job), r"waits until nothing else runs on the machine, at most 2 s\n")
         self.assertRegex(self.log(job), r"warning: the machine is not quiet after \S+ s \(\S+ % of its processors are busy\): "
                                         r"it begins all the same\n")
         self.assertGreaterEqual(self.daemon.wait_for_job(behind["id"])["started"], done["started"])
@@ -110,7 +109,7 @@ class LongCoresTest(DaemonTestCase):
         with BusyLoops(loops):
             if loops:
                 time.sleep(0.2)
-            job = self.daemon.run_job(timed_job(3), look_every_s=1)
+            job = self.daemon.run_job(timed_job(3))
         return job["passes_done"] / job["seconds"], job["statistics"]["cores"]["share"]
 
     def test_a_job_waits_for_the_busy_loop_to_end(self):
@@ -118,7 +117,7 @@ class LongCoresTest(DaemonTestCase):
             job = self.daemon.submit(small_job(quiet_machine=60))
             time.sleep(4)
             self.assertEqual(self.daemon.job(job["id"])["state"], "queued")
-        job = self.daemon.wait_for_job(job["id"], look_every_s=1)
+        job = self.daemon.wait_for_job(job["id"])
         self.assertIn("the machine is quiet, after", self.daemon.request("GET", job["links"]["log"]).text)
 
     def test_a_busy_loop_is_quantified(self):

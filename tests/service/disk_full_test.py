@@ -5,10 +5,12 @@ The second part needs a small file system: a tmpfs in mount and user namespaces 
 starts itself again. Where the kernel does not allow that, those tests are skipped.
 """
 
+import contextlib
 import errno
 import io
 import os
 import pathlib
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -17,10 +19,11 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import PATIENCE, Daemon, deadline_after, small_job
+from photond_daemon import PATIENCE, Daemon, small_job
 
 INSIDE = "PHOTOND_TEST_HAS_NAMESPACES"
 MIB = 1 << 20
+SECONDS = 3 * PATIENCE  # of a job that ends after the disk is full
 HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129]) * 2
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
 
@@ -87,7 +90,7 @@ class FullDiskTest(DiskCase):
         self.addCleanup(subprocess.run, ["umount", self.folder], check=True)
         self.data = pathlib.Path(self.folder) / "data"
         self.filler = pathlib.Path(self.folder) / "filler"
-        self.daemon = Daemon("--disk-reserve", 0, data_dir=self.data, start=False)
+        self.daemon = Daemon("--disk-reserve", 0, "--threads", 1, data_dir=self.data, start=False)
         self.daemon.log_path = pathlib.Path(self.folder + ".log")  # not on the disk that will be full
         self.addCleanup(self.daemon.log_path.unlink)
         self.addCleanup(self.daemon.close)
@@ -111,10 +114,21 @@ class FullDiskTest(DiskCase):
     def large_job(self, **stop):
         return {**small_job(size=256, layers=ALL_LAYERS), "stop": stop}
 
-    def rendering(self, job):
-        while not (state := self.daemon.job(job))["passes_done"]:
-            self.assertIn(state["state"], ("queued", "running"), state)
-            time.sleep(0.02)
+    @contextlib.contextmanager
+    def rendering(self, job, seconds=0):
+        """Within it the job has begun, and its worker is halted: it neither ends nor computes. It goes on once it has lasted
+        for so many seconds, so that a job of as many ends then.
+        """
+        begun = time.monotonic()
+        self.daemon.wait_for_passes(job)
+        worker = self.daemon.workers()["cpu"]
+        os.kill(worker, signal.SIGSTOP)
+        try:
+            yield
+            time.sleep(max(0, begun + seconds - time.monotonic()))
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(worker, signal.SIGCONT)
 
     def check_store(self):
         self.assertEqual(self.daemon.stop(), 0)
@@ -123,9 +137,9 @@ class FullDiskTest(DiskCase):
         store.close()
 
     def test_a_film_that_does_not_fit_fails_its_job_and_no_other(self):
-        job = self.daemon.submit(self.large_job(seconds=3))["id"]
-        self.rendering(job)
-        self.fill(self.LEFT)
+        job = self.daemon.submit(self.large_job(seconds=SECONDS))["id"]
+        with self.rendering(job, SECONDS):
+            self.fill(self.LEFT)
         failed = self.daemon.wait_for_job(job)
         self.assertEqual((failed["state"], failed["failure"]["code"], failed["failure"]["status"]),
                          ("failed", "no_space", 507), failed)
@@ -152,9 +166,9 @@ class FullDiskTest(DiskCase):
             parameters = {"photons": photons, "gather": "direct", "keep_photon_map": True}
             return {**small_job(size=16), "method": {"name": "photon_mapping", "parameters": parameters}, "stop": stop}
 
-        job = self.daemon.submit(photon_job(200_000, seconds=3 * PATIENCE))["id"]  # 64 bytes each: some 11 MB
-        self.rendering(job)
-        self.fill(self.LEFT)
+        job = self.daemon.submit(photon_job(200_000, seconds=SECONDS))["id"]  # 64 bytes each: some 11 MB
+        with self.rendering(job, SECONDS):
+            self.fill(self.LEFT)
         failed = self.daemon.wait_for_job(job)
         self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "no_space"), failed)
         self.assertIsNone(failed["links"]["photon_map"])
@@ -199,7 +213,7 @@ class FullDiskTest(DiskCase):
         done = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16))["id"])
         image = self.daemon.request("GET", f"/v1/jobs/{done['id']}/pixels").body
         job = self.daemon.submit(small_job(size=64, passes=100_000_000))["id"]
-        self.rendering(job)
+        self.daemon.wait_for_passes(job)
         self.daemon.kill()
         self.fill(0)
         self.daemon.start()
@@ -210,10 +224,7 @@ class FullDiskTest(DiskCase):
         self.assert_no_space(self.daemon.request("POST", "/v1/jobs", json_body=self.large_job(passes=1)))
         self.assertIn("no room to record what was running", self.daemon.log())
         self.filler.unlink()
-        deadline = deadline_after()
-        while self.daemon.job(job)["attempts"][0]["outcome"] != "lost":
-            self.assertLess(time.monotonic(), deadline, self.daemon.log())
-            time.sleep(0.05)
+        self.daemon.wait_for_job_that(lambda job: job["attempts"][0]["outcome"] == "lost", "to have lost its attempt", job)
         self.assertTrue(self.daemon.request("GET", "/v1/status").json["store"]["recovered"])
         self.daemon.request("DELETE", f"/v1/jobs/{job}")
         self.daemon.wait_for_job(job)
@@ -224,9 +235,9 @@ class FullDiskTest(DiskCase):
     def test_not_a_byte_left(self):
         """Not even the store can be written: what a job came to is kept in memory until it can."""
         kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])
-        job = self.daemon.submit(self.large_job(seconds=4 * PATIENCE))["id"]  # ends after the disk is full
-        self.rendering(job)
-        self.fill(0)
+        job = self.daemon.submit(self.large_job(seconds=SECONDS))["id"]
+        with self.rendering(job, SECONDS):
+            self.fill(0)
         for reply in self.uploads(self.daemon, 50):
             self.assert_no_space(reply)
         # The first may still find room within the log's last page.
@@ -236,10 +247,8 @@ class FullDiskTest(DiskCase):
         for reply in replies:
             if reply.status != 202:
                 self.assert_no_space(reply)
-        deadline = deadline_after()
-        while f"job {job}: its end cannot be recorded yet" not in self.daemon.log():
-            self.assertLess(time.monotonic(), deadline, self.daemon.log())
-            time.sleep(0.05)
+        self.daemon.wait_until(lambda: f"job {job}: its end cannot be recorded yet" in self.daemon.log(),
+                               "the daemon says that it cannot record the end", job=job)
         self.assertEqual(self.daemon.job(job)["state"], "running")
         for path in ("/healthz", "/readyz", "/v1/jobs", f"/v1/jobs/{kept['id']}", f"/v1/jobs/{job}", "/metrics"):
             self.assertEqual(self.daemon.request("GET", path).status, 200, path)

@@ -3,11 +3,10 @@ follows from what they had of their cores. How much that was is printed; that th
 to call, is asserted in the long form, on an idle machine."""
 
 import os
-import time
 import unittest
 
 from busy_loops import BusyLoops
-from photond_daemon import OVER, Daemon, DaemonTestCase, deadline_after, small_job
+from photond_daemon import OVER, Daemon, DaemonTestCase, Ended, small_job
 
 MOST_RUNS = 3
 
@@ -30,19 +29,20 @@ def submit(daemon, body):
     return reply.json["id"]
 
 
-def wait_until(daemon, comparison_id, condition, look_every_s=0.02):
-    deadline = deadline_after()
-    while True:
+def wait_until_over(daemon, comparison_id):
+    return daemon.wait_for_state(f"/v1/comparisons/{comparison_id}")
+
+
+def wait_for_repeats(daemon, comparison_id, repeats=1):
+    """The comparison once so many jobs were repeated; raises Ended when it is over with fewer."""
+    def found_repeated():
         found = get(daemon, comparison_id)
-        if condition(found):
+        if found["repeats"] >= repeats:
             return found
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"{found['state']}: {found['jobs']}\n{daemon.log()[-4000:]}")
-        time.sleep(look_every_s)
-
-
-def is_over(found):
-    return found["state"] in OVER
+        if found["state"] in OVER:
+            raise Ended(f"{comparison_id} is {found['state']} after {found['repeats']} repeats: {found['jobs']}")
+        return None
+    return daemon.wait_until(found_repeated, f"{repeats} jobs are repeated", look_every_s=0.02)
 
 
 def share_of(daemon, run):
@@ -85,7 +85,7 @@ class DisturbedComparisonTest(DaemonTestCase, Checks):
 
     def test_is_repeated_twice_at_most(self):
         with BusyLoops():
-            found = wait_until(self.daemon, submit(self.daemon, comparison()), is_over)
+            found = wait_until_over(self.daemon, submit(self.daemon, comparison()))
         self.assert_told(self.daemon, found)
         self.assertEqual([len(job["runs"]) for job in found["jobs"]], [MOST_RUNS, MOST_RUNS])
         for job in found["jobs"]:
@@ -102,18 +102,18 @@ class DisturbedComparisonTest(DaemonTestCase, Checks):
     def test_an_undisturbed_repeat_counts(self):
         with BusyLoops():
             comparison_id = submit(self.daemon, comparison())
-            wait_until(self.daemon, comparison_id, lambda found: found["repeats"] > 0)
-        self.assert_told(self.daemon, wait_until(self.daemon, comparison_id, is_over))
+            wait_for_repeats(self.daemon, comparison_id)
+        self.assert_told(self.daemon, wait_until_over(self.daemon, comparison_id))
 
     def test_is_repeated_on_request(self):
-        found = wait_until(self.daemon, submit(self.daemon, comparison(seconds=None, stop={"passes": 2})), is_over)
+        found = wait_until_over(self.daemon, submit(self.daemon, comparison(seconds=None, stop={"passes": 2})))
         job = found["jobs"][0]
         repeat = self.daemon.request("POST", f"/v1/jobs/{job['id']}/repeat")
         self.assertEqual(repeat.status, 202, repeat)
         self.assertEqual(repeat.json["comparison"], found["id"])
         again = self.daemon.wait_for_job(repeat.json["id"])
         self.assertEqual(again["statistics"]["pixel_hash"], self.daemon.job(job["id"])["statistics"]["pixel_hash"])
-        found = wait_until(self.daemon, found["id"], is_over)
+        found = wait_until_over(self.daemon, found["id"])
         self.assertIn(again["id"], [run["id"] for run in found["jobs"][0]["runs"]])
         alone = self.daemon.run_job(small_job(labels={"a": "b"}))
         repeat = self.daemon.request("POST", f"/v1/jobs/{alone['id']}/repeat").json
@@ -135,11 +135,11 @@ class RestartTest(Checks):
                 self.skipTest("this kernel does not say how long threads wait")
             with BusyLoops():
                 comparison_id = submit(daemon, comparison())
-                before = wait_until(daemon, comparison_id, lambda found: found["repeats"] > 0)
+                before = wait_for_repeats(daemon, comparison_id)
                 daemon.kill()
             daemon.start()
             daemon.wait_ready()
-            found = wait_until(daemon, comparison_id, is_over)
+            found = wait_until_over(daemon, comparison_id)
             self.assertGreaterEqual(found["repeats"], before["repeats"])
             self.assertEqual(found["state"], "succeeded")
             for old, new in zip(before["jobs"], found["jobs"]):
@@ -152,12 +152,12 @@ class LongVerdictTest(Checks):
         body = comparison(seconds=3, size=128, seeds=(1, 2, 3))
         with Daemon("--repeats", 2) as daemon:
             daemon.wait_ready()
-            idle = wait_until(daemon, submit(daemon, body), is_over, look_every_s=1)
+            idle = wait_until_over(daemon, submit(daemon, body))
             self.assertEqual(idle["repeats"], 0, "the machine is not idle")
             with BusyLoops():
                 comparison_id = submit(daemon, body)
-                wait_until(daemon, comparison_id, lambda found: found["repeats"] > 2)
-            beside = wait_until(daemon, comparison_id, is_over, look_every_s=1)
+                wait_for_repeats(daemon, comparison_id, 3)
+            beside = wait_until_over(daemon, comparison_id)
         first = {verdict["error"]: verdict for verdict in idle["verdicts"]}
         print(idle["headlines"][0]["text"], "|", beside["headlines"][0]["text"], "|", beside["warnings"])
         self.assertGreater(beside["repeats"], 2)

@@ -7,7 +7,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import DaemonTestCase, small_job, wait_until  # noqa: E402
+from photond_daemon import DaemonTestCase, small_job  # noqa: E402
 
 ENDLESS = 100_000  # passes
 MOST_SECONDS = 0.25  # of a picture of 256 x 256 after its pass, on an idle machine
@@ -32,7 +32,7 @@ class FilmSoFarTest(DaemonTestCase):
     def next_pass(self, job):
         """Waits for one to be done; how many there are."""
         before = self.passes_done(job)
-        return wait_until(lambda: max(self.passes_done(job) - before, 0) and self.passes_done(job), "no pass was done")
+        return self.daemon.wait_for_passes(job, before + 1)["passes_done"]
 
     def test_a_picture_comes_before_the_next_pass(self):
         """The passes take a second and more; a busy machine may be late once."""

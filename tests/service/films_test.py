@@ -4,13 +4,12 @@ an image came together, its bits are those of one undisturbed run.
 
 import os
 import signal
-import time
 import unittest
 
-from photond_daemon import Daemon, small_job, wait_until
+from photond_daemon import Daemon, small_job
 
 ENDLESS = 100_000_000  # passes: over long after the test
-LONGER = {"size": 64, "passes": 800}  # long enough to be hit in the middle
+LONGER = {"size": 64, "passes": 500}  # long enough to be hit in the middle
 
 
 def hash_of(job):
@@ -22,7 +21,7 @@ class ResumingTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.daemon = Daemon("--save-seconds", 0.1)
+        cls.daemon = Daemon("--save-seconds", 0.05, "--threads", 1)
         cls.daemon.wait_ready()
         cls.undisturbed = cls.daemon.wait_for_job(cls.daemon.submit(small_job(**LONGER))["id"])
 
@@ -35,8 +34,8 @@ class ResumingTest(unittest.TestCase):
 
     def saved(self, job):
         """The job, running, once a film of it was saved."""
-        wait_until(lambda: self.films(job), "no film was saved")
-        time.sleep(0.1)  # the daemon hears of it
+        self.daemon.wait_until(lambda: self.films(job), "a film is saved", job=job["id"])
+        self.daemon.wait_for_passes(job["id"])  # the daemon has heard of it
         running = self.daemon.job(job["id"])
         self.assertEqual(running["state"], "running", "too fast to be hit: make it longer")
         return running
@@ -100,11 +99,10 @@ class ResumingTest(unittest.TestCase):
         job = self.daemon.submit(small_job(size=64, passes=ENDLESS))
         for _ in range(2):
             self.saved(job)
-            wait_until(lambda: self.daemon.job(job["id"])["passes_done"], "no pass")
-            attempts = len(self.daemon.job(job["id"])["attempts"])
+            attempts = len(self.daemon.wait_for_passes(job["id"])["attempts"])
             os.kill(self.daemon.workers()["cpu"], signal.SIGSEGV)
-            wait_until(lambda: len(self.daemon.job(job["id"])["attempts"]) > attempts
-                       or self.daemon.job(job["id"])["state"] == "failed", "nothing followed")
+            self.daemon.wait_for_job_that(lambda job: len(job["attempts"]) > attempts or job["state"] == "failed",
+                                          "to be tried again or to have failed", job["id"])
         job = self.daemon.wait_for_job(job["id"])
         self.assertEqual(job["failure"]["code"], "worker_crashed")
         self.assertGreater(job["passes_done"], 0)
@@ -172,7 +170,7 @@ class JoiningTest(unittest.TestCase):
 
     def test_a_cancelled_job_is_extended(self):
         job = self.daemon.submit(small_job(passes=ENDLESS))
-        wait_until(lambda: self.daemon.job(job["id"])["passes_done"], "no pass was done")
+        self.daemon.wait_for_passes(job["id"])
         self.daemon.request("DELETE", f"/v1/jobs/{job['id']}")
         passes = self.daemon.wait_for_job(job["id"])["passes_done"] + 10
         self.extend(job["id"], {"passes": passes})

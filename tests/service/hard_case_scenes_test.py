@@ -5,7 +5,7 @@ import unittest
 import urllib.parse
 
 from jsonschema import Draft202012Validator
-from photond_daemon import BIN, Daemon, patience
+from photond_daemon import BIN, Daemon
 
 FAMILY = "/v1/scenes?family=hard-cases"
 JOB = {"image": {"width": 8, "height": 8}, "method": {"name": "path_tracing", "parameters": {"indirect_bounces": 1}},
@@ -92,7 +92,7 @@ class HardCaseScenesTest(unittest.TestCase):
     def test_the_command_line_takes_them(self):
         def photonctl(*arguments):
             return subprocess.run([BIN / "photonctl", "--server", f"http://127.0.0.1:{self.daemon.port}", *arguments],
-                                  capture_output=True, text=True, timeout=patience(), check=False)
+                                  capture_output=True, text=True, check=False)
         shown = photonctl("scenes", "show", "hard-case/corner-90")
         self.assertEqual(shown.returncode, 0, shown)
         self.assertIn("hard-case/corner-90", shown.stdout)

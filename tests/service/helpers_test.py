@@ -15,7 +15,7 @@ import numpy
 import OpenImageIO as oiio
 
 from image_files import encoded
-from photond_daemon import DaemonTestCase, deadline_after, small_job
+from photond_daemon import DaemonTestCase, small_job
 
 
 def exr_of_attributes(count):
@@ -40,12 +40,6 @@ class HelpersTest(DaemonTestCase):
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGCONT)
-
-    def wait_for(self, what, done):
-        deadline = deadline_after()
-        while not done():
-            self.assertLess(time.monotonic(), deadline, what)
-            time.sleep(0.02)
 
     def in_background(self, *requests):
         """Begins requests; returns their threads and where the answers will be."""
@@ -76,7 +70,7 @@ class HelpersTest(DaemonTestCase):
         known = self.daemon.request(**self.upload(100)).json["id"]
         with self.stopped("bulk"):
             threads, answers = self.in_background(*(self.upload(number) for number in range(9)))
-            self.wait_for("busy", lambda: self.helper("bulk")["state"] == "busy")
+            self.daemon.wait_until(lambda: self.helper("bulk")["state"] == "busy", "the helper is busy")
             longest = self.slowest(f"/v1/jobs/{job}", f"/v1/jobs/{job}/image.exr", f"/v1/jobs/{job}/film",
                                    f"/v1/jobs/{job}/preview.png", f"/v1/images/{known}", f"/v1/images/{known}/pixels",
                                    "/v1/scenes/cornell-box/thumbnail.png", "/readyz", "/v1/comparisons")
@@ -93,18 +87,18 @@ class HelpersTest(DaemonTestCase):
         with self.stopped("answers"):
             threads, answers = self.in_background(
                 *({"method": "GET", "path": f"/v1/jobs/{job}/preview.png?exposure={stop}"} for stop in range(9)))
-            self.wait_for("busy", lambda: self.helper("answers")["state"] == "busy")
+            self.daemon.wait_until(lambda: self.helper("answers")["state"] == "busy", "the helper is busy")
             self.slowest(f"/v1/jobs/{job}", f"/v1/jobs/{job}/film", f"/v1/jobs/{job}/statistics.json",
                          f"/v1/jobs/{job}/log.txt", "/v1/jobs", "/v1/comparisons", "/v1/status")
             self.assertEqual(self.daemon.request(**self.upload(50)).status, 201, "uploads have a helper of their own")
-            self.wait_for("not ready", lambda: self.daemon.request("GET", "/readyz").status == 503)
+            self.daemon.wait_until(lambda: self.daemon.request("GET", "/readyz").status == 503, "it is not ready")
             reply = self.daemon.request("GET", "/readyz")
             self.assertIn("the helper that makes images and pictures has not answered for", reply.json["detail"])
             self.assertTrue(all(thread.is_alive() for thread in threads), "a picture by a stopped process")
         for thread in threads:
             thread.join()
         self.assertEqual([answer.status for answer in answers], [200] * 9)
-        self.wait_for("ready again", lambda: self.daemon.request("GET", "/readyz").status == 200)
+        self.daemon.wait_ready()
 
     def test_what_turns_out_to_need_a_helper_leaves_the_quick_threads(self):
         job = self.daemon.run_job(small_job(seed=6))["id"]
@@ -115,7 +109,7 @@ class HelpersTest(DaemonTestCase):
                   for path in ("/v1/jobs", "/v1/jobs?dry_run=true") for scene in unknown for _ in range(4)),
                 {"method": "GET", "path": "/v1/scenes?family=hard-cases"},
                 {"method": "GET", "path": "/v1/scenes/" + unknown[0].replace("/", "%2F")})
-            self.wait_for("busy", lambda: self.helper("answers")["state"] == "busy")
+            self.daemon.wait_until(lambda: self.helper("answers")["state"] == "busy", "the helper is busy")
             self.slowest(f"/v1/jobs/{job}", f"/v1/jobs/{job}/log.txt", "/v1/status", "/v1/methods")
             self.assertEqual(answers, [None] * len(answers), "answered by a stopped process")
         for thread in threads:

@@ -21,7 +21,7 @@ import unittest
 
 from api_test import make_tokens
 from many_jobs import fill_history
-from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, needs_root, patience, small_job
+from photond_daemon import UNDER_SANITIZER, Daemon, needs_root, small_job
 
 LIMIT_MIB = 160  # resident, whatever clients do
 LONG_LIST = "/v1/jobs?limit=1000"
@@ -39,7 +39,7 @@ def resident_mib(daemon, field="VmRSS"):
 
 def asked(daemon, path, token=None, method="GET", body=None):
     """A socket on which a request was sent and nothing is read."""
-    client = socket.create_connection((daemon.address, daemon.port), timeout=patience())
+    client = socket.create_connection((daemon.address, daemon.port))
     head = f"{method} {path} HTTP/1.1\r\nHost: {daemon.address}\r\n"
     if token:
         head += f"Authorization: Bearer {token}\r\n"
@@ -77,10 +77,7 @@ class LoadCase(unittest.TestCase):
         return sum(float(line.split()[-1]) for line in lines if line.startswith(series))
 
     def wait_for(self, what, done):
-        deadline = deadline_after()
-        while not done():
-            self.assertLess(time.monotonic(), deadline, what)
-            time.sleep(0.02)
+        self.daemon.wait_until(done, what, look_every_s=0.02)
 
     def leave_lists(self, clients):
         """Asks for long lists on so many sockets and closes each at once; the seconds that the next answer took."""
@@ -156,7 +153,7 @@ class Load(LoadCase):
         self.assertEqual(page["next_cursor"], seen[9][1:])
         for job in page["items"]:
             self.assertEqual(job, self.get("/v1/jobs/" + job["id"]).json)
-        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=patience())
+        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port)
         self.addCleanup(connection.close)
         connection.request("HEAD", "/v1/jobs?limit=50")
         head = connection.getresponse()
@@ -200,7 +197,7 @@ class Shares(LoadCase):
 class Descriptors(unittest.TestCase):
     def idle(self, stack, daemon, clients):
         for _ in range(clients):
-            stack.enter_context(socket.create_connection((daemon.address, daemon.port), timeout=patience()))
+            stack.enter_context(socket.create_connection((daemon.address, daemon.port)))
 
     def test_few_are_enough_to_say_that_it_is_alive(self):
         with Daemon(open_files=64) as daemon, contextlib.ExitStack() as stack:
@@ -213,9 +210,7 @@ class Descriptors(unittest.TestCase):
             self.assertEqual((reply.status, reply.headers["retry-after"]), (503, "1"))
             self.assertIn("connections are taken", reply.text)
             stack.close()
-            deadline = deadline_after()
-            while daemon.request("GET", "/v1/jobs").status != 200:
-                self.assertLess(time.monotonic(), deadline)
+            daemon.wait_until(lambda: daemon.request("GET", "/v1/jobs").status == 200, "their places are free")
             self.assertEqual(daemon.run_job(small_job())["state"], "succeeded")
 
     @needs_root
@@ -251,7 +246,7 @@ class LongLoad(LoadCase):
         milliseconds = []
 
         def ask():
-            connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=patience())
+            connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port)
             for _ in range(200):
                 begun = time.perf_counter()
                 connection.request("GET", "/v1/jobs")

@@ -56,7 +56,7 @@ class LongTableTest(Case):
 
     def report_of(self, part, *options):
         result = cli.run("compare", "--preset", "ispm-thesis", "--builtin", "--part", part, "--width", 256, "--height",
-                         192, "-o", f"{part}.html", "--json-report", f"{part}.json", *options, timeout=1800)
+                         192, "-o", f"{part}.html", "--json-report", f"{part}.json", *options)
         self.assertEqual(result.returncode, OK, result.stderr)
         [file] = cli.folder.glob(f"{part}*.json")
         return {row["label"]: {name: error["value"] for name, error in row["error"].items()} | {"bias": row["bias"]}

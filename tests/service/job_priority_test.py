@@ -1,11 +1,10 @@
 """The priority of a job that is there: changed, obeyed, told, kept."""
 
 import json
-import time
 import unittest
 
 from api_test import EventStream
-from photond_daemon import Daemon, deadline_after, small_job
+from photond_daemon import Daemon, small_job
 
 ENDLESS = 100_000_000  # passes: over long after the test
 
@@ -19,10 +18,7 @@ class JobPriorityTest(unittest.TestCase):
     def running(self):
         """A job that holds the device until it is cancelled."""
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS))["id"]
-        deadline = deadline_after()
-        while not self.daemon.job(job_id)["passes_done"]:
-            self.assertLess(time.monotonic(), deadline, "no pass was done")
-            time.sleep(0.02)
+        self.daemon.wait_for_passes(job_id)
         return job_id
 
     def change(self, job_id, priority):

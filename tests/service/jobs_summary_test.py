@@ -8,7 +8,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from many_jobs import fill_history  # noqa: E402
-from photond_daemon import Daemon, deadline_after, small_job  # noqa: E402
+from photond_daemon import Daemon, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 SHARED = ("id", "role", "comparison", "sequence", "state", "progress", "passes_done", "seconds", "error_now", "created", "started",
@@ -62,13 +62,11 @@ class SummaryTest(Lists):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS, labels={"study": "now"}))["id"]
         self.addCleanup(self.daemon.wait_for_job, job_id)
         self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{job_id}")
-        deadline = deadline_after()
-        while True:
+
+        def shown():
             (summary,) = self.page("view=summary&state=queued,running&label=study%3Dnow")["items"]
-            if summary["passes_done"] > 0:
-                break
-            self.assertLess(time.monotonic(), deadline, "no pass is shown")
-            time.sleep(0.05)
+            return summary["passes_done"] > 0 and summary
+        summary = self.daemon.wait_until(shown, "a pass is shown", job=job_id)
         self.assertEqual((summary["state"], summary["finished"]), ("running", None))
         self.assertGreater(summary["seconds"], 0)
 

@@ -3,11 +3,10 @@
 import pathlib
 import sys
 import threading
-import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import DaemonTestCase, deadline_after, small_job  # noqa: E402
+from photond_daemon import DaemonTestCase, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 
@@ -24,10 +23,7 @@ class JobsTest(DaemonTestCase):
     def endless(self):
         """A job that runs until it is cancelled; returned when its first pass is done."""
         job = self.daemon.submit(small_job(size=16, passes=ENDLESS))
-        deadline = deadline_after()
-        while not self.daemon.job(job["id"])["passes_done"]:
-            self.assertLess(time.monotonic(), deadline, "no pass was done")
-            time.sleep(0.02)
+        self.daemon.wait_for_passes(job["id"])
         return job["id"]
 
     def test_a_picture_that_is_all_black_says_so(self):
@@ -116,10 +112,7 @@ class JobsTest(DaemonTestCase):
         self.assertFalse(list(films.glob(job["id"] + "-*")))
         running = self.endless()
         self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{running}?purge=true").status, 202)
-        deadline = deadline_after()
-        while self.daemon.request("GET", f"/v1/jobs/{running}").status != 404:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.02)
+        self.daemon.wait_until(lambda: self.daemon.request("GET", f"/v1/jobs/{running}").status == 404, "it is removed")
         self.assertFalse(list(films.glob(running + "-*")))
 
     def test_idempotency(self):

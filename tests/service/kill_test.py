@@ -2,8 +2,9 @@
 retries (reliability.md, "Kills"): accepted jobs lost 0, doubled 0, pixel hashes other than undisturbed 0, tables
 of comparisons complete and equal to the undisturbed one.
 
-100 kills in CI; 1,000 in the long form. Moments come from a fixed seed. A job that is hit at every one of its attempts
-fails by its true reason, `worker_lost`; it is then retried, as its owner would, and goes on from its last film.
+In CI each of the two is killed once at each of the moments of ChosenKillsTest, the moments at which something is half
+done. The long form kills 1,000 times at random moments, which come from a fixed seed. A job that is hit at every one of its
+attempts fails by its true reason, `worker_lost`; it is then retried, as its owner would, and goes on from its last film.
 """
 
 import http.client
@@ -18,15 +19,15 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import Daemon, small_job, wait_until  # noqa: E402
+from photond_daemon import OVER, Daemon, small_job, wait_until  # noqa: E402
 
 SEEDS = 3
 CLIENTS = 2
 # Clients are paced by kills, not by the clock, so that a slow machine does the same work as a fast one.
-KILLS_PER_JOB = 3          # of one client
-KILLS_PER_COMPARISON = 40
+KILLS_PER_JOB = 4          # of one client
+KILLS_PER_COMPARISON = 10
 PASSES = 300
-SIZE = 48
+SIZE = 32
 COMPARISON = {
     "scene": "cornell-box", "image": {"width": SIZE, "height": SIZE},
     "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 300}},
@@ -34,11 +35,10 @@ COMPARISON = {
                 {"label": "shallow", "method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": [1, 2]}}],
     "stop": {"passes": PASSES}, "metrics": ["relative_mse", "rmse"], "seeds": [1, 2],
 }
-OVER = ("succeeded", "failed", "cancelled")
 
 
-def job_of(seed):
-    return small_job(size=SIZE, passes=PASSES, seed=seed)
+def job_of(seed, **more):
+    return small_job(size=SIZE, passes=PASSES, seed=seed, **more)
 
 
 def errors_at_passes(report):
@@ -53,15 +53,10 @@ def errors_at_passes(report):
 
 
 class Disturbed(unittest.TestCase):
-    kills = 0  # set by the forms below
-
-    @classmethod
-    def setUpClass(cls):
-        if not cls.kills:
-            raise unittest.SkipTest("the forms below say how often")
+    """What is done around the kills; the forms below kill, in disturb()."""
 
     def setUp(self):
-        self.daemon = Daemon("--save-seconds", 0.1)
+        self.daemon = Daemon("--save-seconds", 0.05)
         self.addCleanup(self.daemon.close)
         self.daemon.wait_ready()
         self.expected = {}
@@ -93,8 +88,7 @@ class Disturbed(unittest.TestCase):
         return reply.json
 
     def comparison_over(self, comparison_id):
-        wait_until(lambda: self.comparison(comparison_id)["state"] in OVER, f"{comparison_id} does not end")
-        return self.comparison(comparison_id)
+        return self.daemon.wait_for_state(f"/v1/comparisons/{comparison_id}")
 
     def report_of(self, comparison):
         reply = self.daemon.request("GET", f"/v1/comparisons/{comparison['id']}/report.json")
@@ -109,7 +103,7 @@ class Disturbed(unittest.TestCase):
         """As a client should: the same request again until it is answered. False when the test ends first."""
         while True:
             try:
-                reply = self.daemon.request("POST", path, json_body=body, headers={"Idempotency-Key": key}, timeout_s=5)
+                reply = self.daemon.request("POST", path, json_body=body, headers={"Idempotency-Key": key})
                 if reply.status == 202:
                     with self.lock:
                         self.accepted.setdefault(key, set()).add(reply.json["id"])
@@ -141,9 +135,10 @@ class Disturbed(unittest.TestCase):
                 return
 
     def kill_daemon(self):
+        """Kills the daemon, looks at its store, and starts it again."""
         children = self.daemon.children()
         self.daemon.kill()
-        wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in children), "children live on")
+        wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in children), "its children have ended")
         store = sqlite3.connect(self.daemon.data_dir / "store.sqlite")
         try:
             self.assertEqual(store.execute("PRAGMA integrity_check").fetchone(), ("ok",))
@@ -151,15 +146,23 @@ class Disturbed(unittest.TestCase):
             store.close()
         self.daemon.start()
 
-    def kill_worker(self):
-        pid = self.daemon.workers().get("cpu")
+    def kill_worker(self, pid=None):
+        """False where there is none, between two of them. `pid` is that of one that is known."""
+        pid = pid or self.daemon.workers().get("cpu")
         if pid is None:
-            return False  # between two of them
+            return False
         try:
             os.kill(pid, signal.SIGKILL)
         except ProcessLookupError:
             return False
         return True
+
+    def count(self, victim):
+        """Notes a kill, by which the clients are paced."""
+        with self.struck:
+            self.hit[victim] += 1
+            self.strikes += 1
+            self.struck.notify_all()
 
     # --- judging ------------------------------------------------------------------------------------------------------
     def succeeded(self, job_id):
@@ -174,24 +177,14 @@ class Disturbed(unittest.TestCase):
             self.assertEqual(self.daemon.request("POST", f"/v1/jobs/{job_id}/retry").status, 202)
 
     def test_nothing_is_lost_doubled_or_different(self):
-        randomness = random.Random(20261121)
         self.retried = 0
+        self.hit = {"daemon": 0, "worker": 0}
         threads = [threading.Thread(target=self.submit_jobs, args=(f"c{i}",)) for i in range(CLIENTS)]
         threads.append(threading.Thread(target=self.submit_comparisons))
         for thread in threads:
             thread.start()
-        hit = {"daemon": 0, "worker": 0}
         try:
-            while sum(hit.values()) < self.kills:
-                time.sleep(randomness.uniform(0.02, 0.9))
-                if randomness.random() < 0.5:
-                    self.kill_daemon()
-                    hit["daemon"] += 1
-                elif self.kill_worker():
-                    hit["worker"] += 1
-                with self.struck:
-                    self.strikes = sum(hit.values())
-                    self.struck.notify_all()
+            self.disturb()
         finally:
             with self.struck:
                 self.done.set()
@@ -233,18 +226,138 @@ class Disturbed(unittest.TestCase):
         films = {film.name.split("-")[0] for film in (self.daemon.data_dir / "films").iterdir()}
         self.assertEqual(films, {job["id"] for job in jobs})
         self.assertEqual(len(list((self.daemon.data_dir / "films").iterdir())), len(jobs), "a film too many")
-        print(f"{hit['daemon']} kills of the daemon, {hit['worker']} of the worker: {len(plain)} jobs and "
+        print(f"{self.hit['daemon']} kills of the daemon, {self.hit['worker']} of the worker: {len(plain)} jobs and "
               f"{len(comparisons)} comparisons, {resumed} went on from a film, {self.retried} retried by hand")
 
 
-class HundredKillsTest(Disturbed):
-    kills = int(os.environ.get("PHOTOND_KILLS", "100"))
+class ChosenKillsTest(Disturbed):
+    """The daemon and the worker are killed, each once at each moment of MOMENTS. A moment belongs to a job, or to a comparison,
+    that is submitted for it and goes before what the clients submit. One that passes before it is met is sought again with
+    another job.
+    """
+
+    def being_submitted(self, key):
+        """The request is under way: it may have been stored or not, and has not been answered."""
+        self.seeds[key] = 1
+        submission = threading.Thread(target=self.submit_until_answered, args=("/v1/jobs", job_of(1), key))
+        submission.start()
+        self.addCleanup(submission.join)
+
+    def accepted_now(self, key):
+        """The job waits, and no attempt of it may have begun."""
+        self.submitted(key)
+
+    def attempt_begins(self, key):
+        """The worker loads the scene, or has just begun to render."""
+        self.seek(self.submitted(key), lambda job: job["state"] == "running")
+
+    def passes_are_done(self, key):
+        """What was rendered may not have been saved."""
+        self.seek(self.submitted(key), lambda job: job["passes_done"] > 0)
+
+    def film_is_written(self, key):
+        """Half of a film lies on the disk, under another name."""
+        self.seek_file(self.submitted(key), "-1.film.part")
+
+    def film_is_saved(self, key):
+        """The daemon may not have heard of it."""
+        self.seek_file(self.submitted(key), "-1.film")
+
+    def goes_on_from_its_film(self, key):
+        """A second attempt renders, of a job whose worker was killed after its first film."""
+        job_id = self.submitted(key)
+        self.seek_file(job_id, "-1.film")
+        self.kill_worker()
+        self.count("worker")
+        self.seek(job_id, lambda job: len(job["attempts"]) > 1 and job["passes_done"] > 0)
+
+    def end_is_near(self, key):
+        """The last passes are done, the last film is written, and the end is told and recorded."""
+        self.seek(self.submitted(key), lambda job: job["progress"] > 0.9)
+
+    def over_now(self, key):
+        """The end has just been recorded."""
+        self.daemon.wait_for_job(self.submitted(key))
+
+    def comparison_is_accepted(self, key):
+        """Its jobs are all in the store, or none is."""
+        self.compared(key)
+
+    def job_of_a_comparison_is_over(self, key):
+        """The next one begins, and the table changes."""
+        jobs = self.compared(key)["jobs"]
+        self.daemon.wait_for_job(jobs[1]["id"])
+
+    def started_now(self, key):
+        """The daemon listens; its workers start, and what was lost is queued again."""
+        self.submitted(key)
+        self.kill_daemon()
+        self.count("daemon")
+
+    MOMENTS = (being_submitted, accepted_now, attempt_begins, passes_are_done, film_is_written, film_is_saved,
+               goes_on_from_its_film, end_is_near, over_now, comparison_is_accepted, job_of_a_comparison_is_over, started_now)
+
+    class Missed(Exception):
+        """The job was over before its moment was met."""
+
+    def submitted(self, key):
+        self.seeds[key] = 1
+        self.assertTrue(self.submit_until_answered("/v1/jobs", job_of(1, priority=50), key))
+        return next(iter(self.accepted[key]))
+
+    def compared(self, key):
+        self.assertTrue(self.submit_until_answered("/v1/comparisons", {**COMPARISON, "priority": 50}, key))
+        return self.comparison(next(iter(self.accepted[key])))
+
+    def seek(self, job_id, arrived):
+        while not arrived(job := self.daemon.job(job_id)):
+            if job["state"] in OVER:
+                raise self.Missed
+
+    def seek_file(self, job_id, ending):
+        """The file of the job that ends in that; it may be there for less than a millisecond."""
+        path = str(self.daemon.data_dir / "films" / (job_id + ending))
+        while True:
+            for _ in range(1000):
+                if os.path.exists(path):
+                    return
+            if self.daemon.job(job_id)["state"] in OVER:
+                raise self.Missed
+
+    def disturb(self):
+        missed = 0
+        for moment in self.MOMENTS:
+            for victim in ("daemon", "worker"):
+                while True:
+                    worker = self.daemon.wait_until(lambda: self.daemon.workers().get("cpu"), "there is a worker")
+                    try:
+                        moment(self, f"{moment.__name__}-{victim}-{missed}")
+                        break
+                    except self.Missed:
+                        missed += 1
+                if victim == "daemon":
+                    self.kill_daemon()
+                elif not self.kill_worker(worker):  # it is another one by now
+                    self.daemon.wait_until(self.kill_worker, "there is a worker to be killed")
+                self.count(victim)
+        print(f"{len(self.MOMENTS)} moments; {missed} were missed at first")
 
 
 @unittest.skipUnless(os.environ.get("PHOTOND_LONG"), "by the label long")
 class LongThousandKillsTest(Disturbed):
-    kills = 1000
+    KILLS = int(os.environ.get("PHOTOND_KILLS", "1000"))
+
+    def disturb(self):
+        randomness = random.Random(20261121)
+        while self.strikes < self.KILLS:
+            time.sleep(randomness.uniform(0.02, 0.9))
+            if randomness.random() < 0.5:
+                self.kill_daemon()
+                self.count("daemon")
+            elif self.kill_worker():
+                self.count("worker")
 
 
+del Disturbed  # a base, not a test case
 if __name__ == "__main__":
     unittest.main()

@@ -7,7 +7,7 @@ import subprocess
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, small_job, wait_until
+from photond_daemon import BIN, Daemon, small_job
 from python_client_case import photond
 
 CAUSTICS = ["delta_light_caustics", "delta_light_after_caustics"]
@@ -77,7 +77,7 @@ class LeftOutTest(unittest.TestCase):
         made = self.daemon.request("POST", "/v1/comparisons", json_body=body)
         self.assertEqual(made.status, 202, made)
         path = f"/v1/comparisons/{made.json['id']}"
-        wait_until(lambda: self.daemon.request("GET", path).json["state"] == "succeeded", "the comparison does not end")
+        self.daemon.wait_for_state(path, ("succeeded",))
         return answer.json, self.daemon.request("GET", path).json, self.daemon.request("GET", path + "/report.html").text
 
     def test_a_dry_run_and_the_job_say_the_same(self):
@@ -132,7 +132,7 @@ class LeftOutTest(unittest.TestCase):
                 "entries": [{"label": "photons", "method": self.method("photon_mapping", photons=500)}]}
         made = self.daemon.request("POST", "/v1/comparisons", json_body=body)
         path = f"/v1/comparisons/{made.json['id']}"
-        wait_until(lambda: self.daemon.request("GET", path).json["state"] == "succeeded", "the comparison does not end")
+        self.daemon.wait_for_state(path, ("succeeded",))
         self.assertTrue(self.daemon.request("GET", path).json["table"][0]["mark"])
 
     def test_a_merged_job_leaves_out_what_its_parts_do(self):

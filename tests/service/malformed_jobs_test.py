@@ -9,7 +9,7 @@ import os
 import random
 import unittest
 
-from photond_daemon import DaemonTestCase, patience, small_job
+from photond_daemon import DaemonTestCase, small_job
 
 GENERATED = int(os.environ.get("PHOTOND_GENERATED_JOBS", "4000"))
 
@@ -184,7 +184,7 @@ class Poster:
     """Many posts over one connection."""
 
     def __init__(self, daemon):
-        self.connection = http.client.HTTPConnection(daemon.address, daemon.port, timeout=patience())
+        self.connection = http.client.HTTPConnection(daemon.address, daemon.port)
 
     def post(self, body):
         if isinstance(body, str):

@@ -16,7 +16,7 @@ import zipfile
 
 import malformed_gltf
 import tiny_scene
-from photond_daemon import BIN, Daemon, patience
+from photond_daemon import BIN, Daemon
 
 GLB = "model/gltf-binary"
 ZIP = "application/zip"
@@ -129,7 +129,7 @@ class MalformedGltfTest(UploadCase):
             with self.subTest(length):
                 self.assert_refused(self.post(whole[:length], GLB), 422, "bad_scene")
         # The same file whole, but the connection ends within its body: nothing is judged, nothing stays.
-        with socket.create_connection((self.daemon.address, self.daemon.port), timeout=patience()) as client:
+        with socket.create_connection((self.daemon.address, self.daemon.port)) as client:
             client.sendall(f"POST /v1/scenes HTTP/1.1\r\nHost: {self.daemon.address}\r\nContent-Type: {GLB}\r\n"
                            f"Content-Length: {len(whole)}\r\n\r\n".encode() + whole[:-7])
             client.shutdown(socket.SHUT_WR)
@@ -235,7 +235,7 @@ class TooLargeTest(UploadCase):
                 self.assert_refused(reply, 413, "payload_too_large")
                 self.assertIn(str(self.LIMIT), reply.json["detail"])
         # Judged by the head: the answer comes although not a byte of the body has been sent.
-        with socket.create_connection((self.daemon.address, self.daemon.port), timeout=patience()) as client:
+        with socket.create_connection((self.daemon.address, self.daemon.port)) as client:
             client.sendall(f"POST /v1/scenes HTTP/1.1\r\nHost: {self.daemon.address}\r\nContent-Type: {GLB}\r\n"
                            f"Content-Length: {self.LIMIT + 1}\r\n\r\n".encode())
             self.assertTrue(client.recv(4096).startswith(b"HTTP/1.1 413 "))

@@ -10,7 +10,7 @@ from photond_daemon import UNDER_SANITIZER, Daemon, small_job
 
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
 LIMIT = 48 << 20
-LARGE = small_job(size=512, layers=ALL_LAYERS)  # a film of 131 MB
+LARGE = small_job(size=384, layers=ALL_LAYERS)  # a film of 74 MB
 RESIDENT = "freed memory stays resident under a sanitizer: hundreds of megabytes"
 
 
@@ -20,10 +20,10 @@ class MemoryLimitTest(unittest.TestCase):
         """It is about what jobs hold; what the process is made of comes on top."""
         # Long enough for the daemon to look at the worker's memory a few times.
         job = {**small_job("interior", size=512, layers=ALL_LAYERS), "stop": {"seconds": 2}}
-        with Daemon() as daemon:
+        with Daemon("--threads", 1) as daemon:
             needed = daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).json["memory_bytes"]
         for share, status in ((1.01, 202), (0.99, 422)):
-            with Daemon("--memory-limit", int(share * needed)) as daemon:
+            with Daemon("--memory-limit", int(share * needed), "--threads", 1) as daemon:
                 daemon.wait_ready()
                 daemon.request("GET", "/v1/scenes/interior")  # judged: the estimate knows it
                 reply = daemon.request("POST", "/v1/jobs", json_body=job)
@@ -39,7 +39,7 @@ class MemoryLimitTest(unittest.TestCase):
     def test_what_no_longer_fits_fails_and_the_rest_goes_on(self):
         with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
             folder = around + "/data"  # the log is written beside it
-            with Daemon(data_dir=folder) as daemon:
+            with Daemon("--threads", 1, data_dir=folder) as daemon:
                 daemon.wait_ready()
                 done = daemon.wait_for_job(daemon.submit(LARGE)["id"])
                 self.assertEqual(done["state"], "succeeded", done)
@@ -81,7 +81,7 @@ class MemoryLimitTest(unittest.TestCase):
     def test_a_scene_that_does_not_fit_by_itself(self):
         with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
             folder = around + "/data"  # the log is written beside it
-            with Daemon(data_dir=folder) as daemon:
+            with Daemon("--threads", 1, data_dir=folder) as daemon:
                 daemon.wait_ready()
                 endless = daemon.submit({**small_job(size=16), "stop": {"seconds": 3600}})["id"]
                 daemon.wait_for_job(endless, states=("running",))

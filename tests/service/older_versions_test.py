@@ -13,7 +13,7 @@ import tiny_scene
 from film_versions import NEWEST, as_version, passes_of, version_of
 from older_store import make_older, migrations, rows_of
 from older_store import version_of as version_of_store
-from photond_daemon import BIN, Daemon, small_job, wait_until
+from photond_daemon import BIN, Daemon, small_job
 
 STORE_VERSION = 8  # before references of two films
 FILM_VERSION = 5   # before films kept the means of their passes
@@ -66,7 +66,7 @@ class OlderVersionsTest(unittest.TestCase):
                                   headers={"Idempotency-Key": "of then"})
         assert compared.status == 202, compared
         cls.comparison = f"/v1/comparisons/{compared.json['id']}"
-        wait_until(lambda: daemon.request("GET", cls.comparison).json["state"] == "succeeded", "the comparison does not end")
+        daemon.wait_for_state(cls.comparison, ("succeeded",))
         assert daemon.stop() == 0
         make_older(cls.store, STORE_VERSION, AS_THEN + tuple(
             f"UPDATE {table} SET body_sha256 = '{hash_of_then(request)}'"
@@ -202,7 +202,7 @@ class OlderDefaultsTest(unittest.TestCase):
             "entries": [{"label": "a", "method": {"name": "photon_splatting", "parameters": {"photons": 50, "bounces": 1}}}]})
         assert compared.status == 202, compared
         cls.comparison = f"/v1/comparisons/{compared.json['id']}"
-        wait_until(lambda: daemon.request("GET", cls.comparison).json["state"] == "succeeded", "the comparison does not end")
+        daemon.wait_for_state(cls.comparison, ("succeeded",))
         cls.references = daemon.request("GET", cls.comparison).json["reference"]["jobs"]
         assert daemon.stop() == 0
         removed = ", ".join(removed)

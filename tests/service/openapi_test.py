@@ -5,13 +5,12 @@ what it forbids is refused, and every answer is one that it announces.
 import json
 import random
 import re
-import time
 import unittest
 
 import malformed_jobs_test as malformed
 import tiny_scene
 from jsonschema import Draft202012Validator
-from photond_daemon import Daemon, Reply, small_job, wait_until
+from photond_daemon import Daemon, Reply, small_job
 
 # Faults that no schema can express: they depend on what the daemon holds, or relate one field to another.
 BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/target", "/camera/look_at/up",
@@ -225,15 +224,15 @@ class OpenApiTest(unittest.TestCase):
         ask = self.ask
         self.assertEqual(ask("POST", "/v1/sequences?dry_run=true", json_body=SEQUENCE).status, 200)
         done = ask("POST", "/v1/sequences", json_body=SEQUENCE).json
-        while ask("GET", f"/v1/sequences/{done['id']}").json["state"] != "succeeded":
-            time.sleep(0.05)
+        self.daemon.wait_for_state(f"/v1/sequences/{done['id']}", ("succeeded",))
+        ask("GET", f"/v1/sequences/{done['id']}")
         self.assertEqual(len(ask("GET", "/v1/sequences").json["items"]), 1)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/frames.zip?images=png").status, 200)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/video?format=png").status, 200)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/report.html").status, 200)
         references = [ask("POST", "/v1/sequences", json_body={**SEQUENCE, "seed": seed}).json["id"] for seed in (100, 200)]
-        while any(ask("GET", f"/v1/sequences/{id}").json["state"] != "succeeded" for id in references):
-            time.sleep(0.05)
+        for id in references:
+            self.daemon.wait_for_state(f"/v1/sequences/{id}", ("succeeded",))
         errors = f"/v1/sequences/{done['id']}/errors?first={references[0]}&second="
         self.assertEqual(ask("GET", errors + references[1]).status, 200)
         self.assertEqual(ask("GET", errors + references[0]).status, 422)
@@ -241,8 +240,7 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(ask("DELETE", f"/v1/sequences/{long['id']}").status, 202)
         self.assertEqual(ask("GET", f"/v1/sequences/{long['id']}/frames.zip").status, 202)
         self.assertEqual(ask("GET", f"/v1/sequences/{long['id']}/video").status, 202)
-        while ask("GET", f"/v1/sequences/{long['id']}").json["state"] != "cancelled":
-            time.sleep(0.05)
+        self.daemon.wait_for_state(f"/v1/sequences/{long['id']}", ("cancelled",))
         for sequence in (long, done):
             self.assertEqual(ask("DELETE", f"/v1/sequences/{sequence['id']}?purge=true").status, 200)
 
@@ -250,8 +248,8 @@ class OpenApiTest(unittest.TestCase):
         ask = self.ask
         self.assertEqual(ask("POST", "/v1/comparisons?dry_run=true", json_body=COMPARISON).status, 200)
         compared = ask("POST", "/v1/comparisons", json_body=COMPARISON).json
-        while ask("GET", f"/v1/comparisons/{compared['id']}").json["state"] != "succeeded":
-            time.sleep(0.05)
+        self.daemon.wait_for_state(f"/v1/comparisons/{compared['id']}", ("succeeded",))
+        ask("GET", f"/v1/comparisons/{compared['id']}")
         self.assertEqual(len(ask("GET", "/v1/comparisons").json["items"]), 1)
         changed = ask("PATCH", f"/v1/comparisons/{compared['id']}", json_body={"title": "x", "notes": "a\nb"})
         self.assertEqual((changed.status, changed.json["request"]["title"]), (200, "x"))
@@ -260,11 +258,11 @@ class OpenApiTest(unittest.TestCase):
         for name in ("bias.json", "bias.png"):
             path = f"/v1/comparisons/{compared['id']}/rows/0/{name}"
             # The pictures that nobody waited for may be drawn before it.
-            self.assertEqual(wait_until(lambda: (reply := ask("GET", path)).status != 503 and reply, name).status, 200)
+            drawn = self.daemon.wait_until(lambda: (reply := ask("GET", path)).status != 503 and reply, f"{name} is drawn")
+            self.assertEqual(drawn.status, 200)
         long = ask("POST", "/v1/comparisons", json_body={**COMPARISON, "stop": {"seconds": 3600}}).json
         self.assertEqual(ask("DELETE", f"/v1/comparisons/{long['id']}").status, 202)
-        while ask("GET", f"/v1/comparisons/{long['id']}").json["state"] != "cancelled":
-            time.sleep(0.05)
+        self.daemon.wait_for_state(f"/v1/comparisons/{long['id']}", ("cancelled",))
         for comparison in (long, compared):
             self.assertEqual(ask("DELETE", f"/v1/comparisons/{comparison['id']}?purge=true").status, 200)
 

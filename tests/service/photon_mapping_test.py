@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import unittest
 
-from photond_daemon import BIN, Daemon, DaemonTestCase, patience, small_job
+from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
 
 # What a dry run says against what is counted (reliability.md, "Estimates": within 1.5). How many photons a scene
 # stores is known from a few paths only, traced when the scene is judged.
@@ -257,7 +257,7 @@ class PhotonMappingTest(DaemonTestCase):
     def photonctl(self, *arguments):
         command = [str(BIN / "photonctl"), "--server", f"http://{self.daemon.address}:{self.daemon.port}",
                    *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=patience(), check=False)
+        return subprocess.run(command, capture_output=True, text=True, check=False)
 
     def test_photonctl_saves_the_photon_map(self):
         with tempfile.TemporaryDirectory(prefix="photond-test-") as folder:

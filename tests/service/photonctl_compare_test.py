@@ -5,7 +5,6 @@ import re
 import signal
 import unittest
 
-from photond_daemon import patience, wait_until
 from photonctl_case import CANCELLED, INTERRUPTED, OK, REFUSED, TIMED_OUT, USAGE, Case, cli, json_lines
 
 SIZE = ["--width", "24", "--height", "16"]
@@ -181,7 +180,7 @@ class Comparing(Case):
         def measured():  # bias is, after the last job: it may or may not be in what photonctl has said and saved by then
             found = get(path).json
             return all(row["bias"] and len(row["bias"]) == 2 for row in found["table"]) and found
-        cls.comparison = wait_until(measured, "bias is not measured") if cls.code == OK else get(path).json
+        cls.comparison = cli.daemon.wait_until(measured, "bias is measured") if cls.code == OK else get(path).json
 
     def setUp(self):
         self.assertEqual(self.code, OK, self.messages)
@@ -292,7 +291,7 @@ class Stopping(Case):
     def test_an_interrupt_leaves_it_running(self):
         process, identity = self.start_long()
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(patience()), INTERRUPTED)
+        self.assertEqual(process.wait(), INTERRUPTED)
         self.assertIn(f"photonctl comparisons watch {identity}", process.stderr.read())
         self.assertIn(self.state(identity), ("queued", "running"))
         self.run_ok("comparisons", "cancel", identity)
@@ -304,7 +303,7 @@ class Stopping(Case):
     def test_an_interrupt_cancels_where_asked_to(self):
         process, identity = self.start_long("--cancel-on-interrupt")
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(patience()), CANCELLED)
+        self.assertEqual(process.wait(), CANCELLED)
         self.assertEqual(self.state(identity), "cancelled")
 
     def test_a_timeout_leaves_it_running(self):

@@ -5,7 +5,7 @@ import signal
 import unittest
 
 from photonctl_case import OK, REFUSED, USAGE, Case, cli
-from photond_daemon import deadline_after, wait_until
+from photond_daemon import wait_until
 
 
 def setUpModule():
@@ -39,7 +39,7 @@ class Sequences(Case):
         process = cli.popen("sequence", "moving/teleport", "--width", "64", "--height", "64", "--passes", "4", "--to", "9", "--fps", "12",
                             "-o", "coming")
         try:
-            wait_until(lambda: list(frames.glob("*.exr")), "a frame to be saved", deadline_after())
+            wait_until(lambda: list(frames.glob("*.exr")), "a frame is saved", process, cli.daemon)
             self.assertIsNone(process.poll(), "the sequence is not over")
         finally:
             process.send_signal(signal.SIGINT)

@@ -15,7 +15,7 @@ import zipfile
 import OpenImageIO as oiio
 
 from bad_weather import BadWeather
-from photond_daemon import BIN, Daemon, patience, wait_until
+from photond_daemon import BIN, Daemon
 from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, PHOTONCTL, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
                             json_lines)
 
@@ -160,7 +160,7 @@ class Rendering(Case):
         for options, resource in (([], "image.exr"), (["--format", "png"], "preview.png?exposure=0")):
             with self.subTest(options=options):
                 result = subprocess.run([PHOTONCTL, "render", "furnace", *SMALL, "-o", "-", *options], capture_output=True,
-                                        env=cli.environment(), cwd=folder, timeout=patience())
+                                        env=cli.environment(), cwd=folder)
                 self.assertEqual(result.returncode, OK, result.stderr)
                 job = result.stderr.split()[0].decode()
                 self.assertEqual(result.stdout, daemon.request("GET", f"/v1/jobs/{job}/{resource}").body)
@@ -172,7 +172,7 @@ class Rendering(Case):
         reader = subprocess.Popen(["cat", folder / "pipe.exr"], stdout=subprocess.PIPE)
         self.addCleanup(reader.stdout.close)
         self.run_ok("render", "furnace", *SMALL, "-o", "pipe.exr")
-        self.assertTrue(reader.communicate(timeout=patience())[0].startswith(b"\x76\x2f\x31\x01"))
+        self.assertTrue(reader.communicate()[0].startswith(b"\x76\x2f\x31\x01"))
         self.assertIn("No space left", self.run_for(LOCAL_FILE, "render", "furnace", *SMALL, "-o", "full.exr").stderr)
         self.assertTrue((folder / "full.exr").is_char_device() and (folder / "pipe.exr").is_fifo())
 
@@ -181,7 +181,7 @@ class Rendering(Case):
         self.addCleanup(os.close, terminal)
         try:
             result = subprocess.run([PHOTONCTL, "render", "furnace", *SMALL, "-o", "-"], stdout=other_end,
-                                    stderr=subprocess.PIPE, text=True, env=cli.environment(), timeout=patience())
+                                    stderr=subprocess.PIPE, text=True, env=cli.environment())
         finally:
             os.close(other_end)
         self.assertEqual(result.returncode, USAGE)
@@ -227,18 +227,15 @@ class Waiting(Case):
     def test_an_interrupt_leaves_the_job_running(self):
         process, job = self.start_long()
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(patience()), INTERRUPTED)
+        self.assertEqual(process.wait(), INTERRUPTED)
         self.assertIn(f"photonctl jobs watch {job}", process.stderr.read())
         self.assertEqual(daemon.job(job)["state"], "running")
 
     def test_an_interrupt_cancels_where_asked_to_and_keeps_what_was_rendered(self):
         process, job = self.start_long("--cancel-on-interrupt", "-o", "interrupted.exr")
-        daemon_job = daemon.job(job)
-        while daemon_job["passes_done"] == 0:
-            time.sleep(0.02)
-            daemon_job = daemon.job(job)
+        daemon.wait_for_passes(job)
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(patience()), CANCELLED)
+        self.assertEqual(process.wait(), CANCELLED)
         self.assertEqual(daemon.job(job)["state"], "cancelled")
         self.assertTrue((folder / "interrupted.exr").read_bytes().startswith(b"\x76\x2f\x31\x01"))
 
@@ -537,7 +534,7 @@ class Weather(Case):
         self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job}")
         with BadWeather(cli.url(), faults) as proxy:
             def cancel():
-                wait_until(lambda: proxy.has_seen(streams, then), "it does not ask so often")
+                daemon.wait_until(lambda: proxy.has_seen(streams, then), "it asks that often", job=job)
                 daemon.request("DELETE", f"/v1/jobs/{job}")
             canceller = threading.Thread(target=cancel)
             canceller.start()

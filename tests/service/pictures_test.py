@@ -2,13 +2,13 @@
 how much of a job's passes pictures cost is printed, and asserted in the long form alone, on an idle machine."""
 
 import os
+import signal
 import statistics
 import threading
 import time
 import unittest
 
-from photond_daemon import (UNDER_SANITIZER, DaemonTestCase, deadline_after, processor_ticks, small_job,
-                            wait_until, wait_until_at_rest)
+from photond_daemon import UNDER_SANITIZER, DaemonTestCase, processor_ticks, small_job, wait_until_at_rest
 
 IDLE_CLASS = 5  # SCHED_IDLE
 ENDLESS = 100_000_000  # passes
@@ -19,6 +19,12 @@ def preview(number, size=16, passes=1):
 
 
 class PicturesBesideAJob(DaemonTestCase):
+    """The job's worker is halted in the middle of it. To the daemon that job renders, whose clock must not notice; pictures then
+    do not have to share the processors with it. The long form measures what a job that does render notices.
+    """
+
+    daemon_arguments = ("--heartbeat-timeout", 86_400)  # a worker that is halted is none that hangs
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -28,30 +34,28 @@ class PicturesBesideAJob(DaemonTestCase):
 
     def setUp(self):
         self.job = self.daemon.submit(small_job(size=64, passes=ENDLESS))["id"]
-        self.wait_for("running", lambda: self.daemon.job(self.job)["passes_done"] > 0)
+        self.daemon.wait_for_passes(self.job)
+        self.worker = self.daemon.workers()["cpu"]
+        os.kill(self.worker, signal.SIGSTOP)
 
     def tearDown(self):
+        os.kill(self.worker, signal.SIGCONT)
         self.daemon.request("DELETE", f"/v1/jobs/{self.job}")
         self.daemon.wait_for_job(self.job)
-
-    def wait_for(self, what, done):
-        deadline = deadline_after()
-        while not done():
-            self.assertLess(time.monotonic(), deadline, what)
-            time.sleep(0.05)
 
     def status(self):
         return self.daemon.request("GET", "/v1/status").json
 
     def fetched(self, path):
-        """The reply that is no "ask again"."""
-        deadline = deadline_after()  # who draws is of the lowest class: other tests come first
-        while (reply := self.daemon.request("GET", path)).status == 503:
+        """The reply that is no "ask again". Who draws is of the lowest class: other tests come first."""
+        def answered():
+            reply = self.daemon.request("GET", path)
+            if reply.status != 503:
+                return reply
             self.assertEqual(reply.json["code"], "unavailable")
             self.assertEqual(reply.headers["retry-after"], "5")
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.5)
-        return reply
+            return None
+        return self.daemon.wait_until(answered, f"{path} is drawn", job=self.job, look_every_s=0.5)
 
     def test_they_are_drawn_by_a_process_of_the_lowest_class(self):
         pid = self.status()["pictures"]["pid"]
@@ -62,7 +66,7 @@ class PicturesBesideAJob(DaemonTestCase):
 
         [helper] = [worker["pid"] for worker in self.status()["workers"] if worker["device"] == "none"]
         if not UNDER_SANITIZER:  # where the helper looks at the built-in scenes for minutes after a start
-            wait_until_at_rest(lambda: [helper], "it goes on looking at them")
+            wait_until_at_rest(lambda: [helper])
         before = processor_ticks(helper), processor_ticks(pid)
         reply = self.fetched(preview(0, 128, 16))
         self.assertEqual((reply.status, reply.body[:4]), (200, b"\x89PNG"))
@@ -97,10 +101,11 @@ class PicturesBesideAJob(DaemonTestCase):
         self.assertLessEqual(waiting, 16)
         self.assertGreater(waiting, 0)
         # The line moves on between two answers: they agree when none was drawn in between.
-        self.wait_for("the metrics say as the status does",
-                      lambda: f"photond_pictures_waiting {self.status()['pictures']['waiting']}\n"
-                      in self.daemon.request("GET", "/metrics").text)
-        self.wait_for("it goes on", lambda: self.daemon.job(self.job)["passes_done"] > before)
+        self.daemon.wait_until(lambda: f"photond_pictures_waiting {self.status()['pictures']['waiting']}\n"
+                               in self.daemon.request("GET", "/metrics").text, "the metrics say as the status does")
+        os.kill(self.worker, signal.SIGCONT)
+        self.daemon.wait_for_passes(self.job, before + 1)
+        os.kill(self.worker, signal.SIGSTOP)
         print(sorted(seconds for *_, seconds in replies))
         number = max(number for number, status, _ in replies if status == 503)
         self.assertEqual(self.fetched(preview(number)).status, 200)
@@ -118,16 +123,15 @@ class PicturesBesideAJob(DaemonTestCase):
 class PicturesOfASlowPass(DaemonTestCase):
     """A preview of a job that runs is of the film so far, whatever the pass at hand takes."""
 
+    daemon_arguments = ("--threads", 1, "--heartbeat-timeout", 86_400)  # a worker that is halted is none that hangs
     asks_again = {"Prefer": "handling=strict, respond-async"}
 
     def setUp(self):
-        self.job = self.daemon.submit(small_job(size=768, passes=ENDLESS))["id"]
-        wait_until(lambda: self.passes() > 0, "its first pass")
+        self.job = self.daemon.submit(small_job(size=384, passes=ENDLESS))["id"]
+        self.daemon.wait_for_passes(self.job)
         self.path = f"/v1/jobs/{self.job}/preview.png?max_size=64"
-
-    def tearDown(self):
-        self.daemon.request("DELETE", f"/v1/jobs/{self.job}")
-        self.daemon.wait_for_job(self.job)
+        self.addCleanup(self.daemon.wait_for_job, self.job)
+        self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{self.job}")
 
     def passes(self):
         return self.daemon.job(self.job)["passes_done"]
@@ -144,7 +148,7 @@ class PicturesOfASlowPass(DaemonTestCase):
             return self.passes() == before
 
         for _ in range(3):  # a pass may end meanwhile
-            wait_until(answered_within_a_pass, "the answer waits for the pass")
+            self.daemon.wait_until(answered_within_a_pass, "an answer does not wait for the pass", job=self.job)
 
     def test_what_was_asked_for_is_there_after_the_pass(self):
         reply = self.daemon.request("GET", self.path, headers=self.asks_again)
@@ -159,14 +163,17 @@ class PicturesOfASlowPass(DaemonTestCase):
                 seen.setdefault(reply.headers["etag"], passes)
             return len(seen) > 3
 
-        wait_until(followed_for_four_passes, "a new picture after each pass")
+        self.daemon.wait_until(followed_for_four_passes, "a new picture after each pass", job=self.job)
         print("new pictures after the passes", list(seen.values()))
 
     def test_a_scene_is_drawn_meanwhile(self):
         reply = self.daemon.request("GET", preview(3, 64), headers=self.asks_again)
         self.assertEqual((reply.status, reply.headers["retry-after"], reply.body), (202, "1", b""))
-        wait_until(lambda: self.daemon.request("GET", preview(3, 64), headers=self.asks_again).status == 200,
-                   "the picture that was asked for")
+        worker = self.daemon.workers()["cpu"]
+        os.kill(worker, signal.SIGSTOP)  # the pass at hand takes as long as the picture
+        self.addCleanup(os.kill, worker, signal.SIGCONT)
+        self.daemon.wait_until(lambda: self.daemon.request("GET", preview(3, 64), headers=self.asks_again).status == 200,
+                               "the picture that was asked for is drawn", job=self.job)
 
 
 class PicturesAlone(DaemonTestCase):
@@ -181,7 +188,7 @@ class LongPictures(DaemonTestCase):
     """A hundred previews during a job of ten seconds change its passes by 5 % at the most."""
 
     def passes(self):
-        return self.daemon.run_job(small_job(size=128, passes=None, stop={"seconds": 10}), look_every_s=1)["passes_done"]
+        return self.daemon.run_job(small_job(size=128, passes=None, stop={"seconds": 10}))["passes_done"]
 
     def test_a_job_does_not_notice_a_hundred_previews(self):
         ratios = []

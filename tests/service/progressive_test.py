@@ -6,7 +6,7 @@ import os
 import signal
 import unittest
 
-from photond_daemon import DaemonTestCase, wait_until
+from photond_daemon import DaemonTestCase
 
 FIXED = "progressive_photon_mapping"
 STOCHASTIC = "stochastic_progressive_photon_mapping"
@@ -16,8 +16,8 @@ PASSES = 12
 
 def progressive_job(method, passes=PASSES, layers=(), **more):
     first_pass = more.pop("first_pass", 0)
-    return {"scene": "cornell-box-glass", "image": {"width": 32, "height": 32}, "layers": list(layers),
-            "method": {"name": method, "parameters": {"photons": 1000, **more}},
+    return {"scene": "cornell-box-glass", "image": {"width": 16, "height": 16}, "layers": list(layers),
+            "method": {"name": method, "parameters": {"photons": 300, **more}},
             "first_pass": first_pass, "stop": {"passes": passes}}
 
 
@@ -64,9 +64,8 @@ class ProgressiveTest(DaemonTestCase):
         body = progressive_job(STOCHASTIC, passes=400)
         whole = self.finished(body)
         job = self.daemon.submit(body)
-        wait_until(lambda: list((self.daemon.data_dir / "films").glob(f"{job['id']}-*.film")), "no film was saved")
-        wait_until(lambda: self.daemon.job(job["id"])["passes_done"] > 0, "no pass was told of")
-        self.assertEqual(self.daemon.job(job["id"])["state"], "running", "too fast to be hit: make it longer")
+        self.daemon.wait_until((self.daemon.data_dir / "films" / f"{job['id']}-1.film").exists, "a film is saved", job=job["id"])
+        self.assertEqual(self.daemon.wait_for_passes(job["id"])["state"], "running", "too fast to be hit: make it longer")
         os.kill(self.daemon.workers()["cpu"], signal.SIGKILL)
         job = self.daemon.wait_for_job(job["id"])
         self.assertEqual([attempt["outcome"] for attempt in job["attempts"]], ["lost", "succeeded"])

@@ -20,7 +20,7 @@ import numpy
 import OpenImageIO as oiio
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, patience, wait_until
+from photond_daemon import BIN, Daemon
 from python_client_case import PACKAGE, SMALL, Case, fixture, gltf_folder, photond, url_of
 
 setUpModule, tearDownModule = fixture.start, fixture.stop
@@ -58,7 +58,7 @@ class Examples(Case):
         self.client.render("cornell-box", **SMALL).save(place / "fine.exr")
         script = place / "readme.py"
         script.write_text("\n".join(blocks))
-        result = subprocess.run([sys.executable, script.name], cwd=place, capture_output=True, text=True, timeout=patience(),
+        result = subprocess.run([sys.executable, script.name], cwd=place, capture_output=True, text=True,
                                 env={**os.environ, "PHOTOND_URL": url_of(self.daemon), "PYTHONPATH": str(PACKAGE),
                                      "MPLBACKEND": "agg"})
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -250,7 +250,7 @@ class Jobs(Case):
         self.assertEqual(raised.exception.code, "not_found")
 
     def test_events_tell_how_a_job_comes_to_its_end(self):
-        job = self.client.submit("cornell-box", width=32, height=32, seconds=1, reference="path_tracing:2")
+        job = self.client.submit("cornell-box", width=32, height=32, seconds=0.7, reference="path_tracing:2")
         seen = list(job.events())
         states = [event.changes["state"] for event in seen if "state" in event.changes]
         self.assertIn(states[0], ("queued", "running"))
@@ -317,7 +317,7 @@ class Jobs(Case):
             job.wait(timeout=0.5)
         self.assertIsInstance(raised.exception, TimeoutError)
         self.assertIn(job.id, str(raised.exception))
-        wait_until(lambda: job.refresh().state == "running", "it does not go on")
+        self.daemon.wait_for_job(job.id, states=("running",))
 
     def test_cancel_retry_priority_purge(self):
         first, job = self.long_job(), self.long_job(labels={"changed": "1"})
@@ -400,7 +400,7 @@ class Jobs(Case):
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join(patience())
+            thread.join()
         self.assertEqual({job.state for job in jobs}, {"succeeded"})
 
 
@@ -520,8 +520,8 @@ class Comparisons(Case):
         self.assertLess(row["least"], row["greatest"])
 
     def test_bias_and_its_map(self):
-        while not all(row["bias"] for row in self.comparison.rows()):  # it is measured when nothing renders
-            self.comparison.refresh()
+        # It is measured when nothing renders.
+        self.daemon.wait_until(lambda: all(row["bias"] for row in self.comparison.refresh().rows()), "bias is measured")
         for row in self.comparison.rows():
             bias = row["bias"]
             self.assertLess(bias["low"], bias["squared_bias"])
@@ -589,7 +589,7 @@ class Comparisons(Case):
             listed = next(found for found in self.client.comparisons() if found.id == self.comparison.id)
             self.assertNotIn("table", listed.data)
             return listed.table == self.comparison.refresh().table and listed  # bias comes into it after the last job
-        listed = wait_until(listed_alike, "its table is another one")
+        listed = self.daemon.wait_until(listed_alike, "its table is the same")
         self.assertEqual([job.id for job in listed.jobs], self.comparison.job_ids)
 
     def test_a_comparison_that_is_cancelled(self):

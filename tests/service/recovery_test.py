@@ -42,11 +42,8 @@ class WorkerTest(unittest.TestCase):
 
     def hit(self, job_id, attempt, signal_number):
         """Sends a signal to the worker once that attempt has done a pass; returns the worker's process id."""
-        def at_work():
-            job = self.daemon.job(job_id)
-            self.assertIn(job["state"], ("queued", "running"), job)
-            return len(job["attempts"]) == attempt and job["passes_done"] > 0
-        wait_until(at_work, f"attempt {attempt} of {job_id} did no pass")
+        self.daemon.wait_for_job_that(lambda job: len(job["attempts"]) == attempt and job["passes_done"] > 0,
+                                      f"to have done a pass of attempt {attempt}", job_id)
         pid = self.daemon.workers()["cpu"]
         os.kill(pid, signal_number)
         return pid
@@ -85,7 +82,7 @@ class WorkerTest(unittest.TestCase):
         # By hand it may be tried again, with its attempts counted anew.
         self.assertEqual(self.daemon.request("POST", f"/v1/jobs/{job_id}/retry").status, 202)
         self.hit(job_id, 3, signal.SIGSEGV)
-        wait_until(lambda: len(self.daemon.job(job_id)["attempts"]) == 4, "no further attempt after one crash")
+        self.daemon.wait_for_job_that(lambda job: len(job["attempts"]) == 4, "to be tried again after one crash", job_id)
         self.daemon.request("DELETE", f"/v1/jobs/{job_id}")
         self.assertEqual(self.daemon.wait_for_job(job_id)["state"], "cancelled")
 
@@ -103,7 +100,7 @@ class HungWorkerTest(unittest.TestCase):
             daemon.wait_ready()
             expected = hash_of(daemon.wait_for_job(daemon.submit(small_job(**LONGER))["id"]))
             job_id = daemon.submit(small_job(**LONGER))["id"]
-            wait_until(lambda: daemon.job(job_id)["passes_done"], "no pass was done")
+            daemon.wait_for_passes(job_id)
             os.kill(daemon.workers()["cpu"], signal.SIGSTOP)
             self.assertEqual(daemon.request("GET", "/healthz").status, 200)
             job = daemon.wait_for_job(job_id)
@@ -114,7 +111,7 @@ class HungWorkerTest(unittest.TestCase):
         with Daemon() as daemon:
             daemon.wait_ready()
             job_id = daemon.submit(small_job(size=64, passes=100_000_000))["id"]
-            wait_until(lambda: daemon.job(job_id)["passes_done"], "no pass was done")
+            daemon.wait_for_passes(job_id)
             os.kill(daemon.workers()["cpu"], signal.SIGSTOP)
             self.assertEqual(daemon.request("DELETE", f"/v1/jobs/{job_id}").status, 202)
             self.assertEqual(daemon.wait_for_job(job_id)["state"], "cancelled")
@@ -134,7 +131,7 @@ class GracefulStopTest(unittest.TestCase):
             expected = hash_of(daemon.wait_for_job(daemon.submit(small_job(**LONGER))["id"]))
             job_id = daemon.submit(small_job(**LONGER))["id"]
             behind = daemon.submit(small_job(**LONGER))["id"]
-            wait_until(lambda: daemon.job(job_id)["passes_done"], "no pass was done")
+            daemon.wait_for_passes(job_id)
             workers = daemon.children()
             self.assertEqual(daemon.stop(), 0)
             for pid in workers:
@@ -162,9 +159,7 @@ class ProgressTest(unittest.TestCase):
             daemon.wait_ready()
             job_id = daemon.submit(small_job(size=64, passes=100_000_000))["id"]
             for attempt in range(1, 6):
-                film = daemon.data_dir / "films" / f"{job_id}-{attempt}.film"
-                wait_until(film.exists, f"attempt {attempt} saved no film")
-                time.sleep(0.3)  # until its row names it
+                daemon.wait_for_kept_film(job_id, attempt)
                 daemon.kill()
                 daemon.start()
                 daemon.wait_ready()
@@ -199,7 +194,7 @@ class KilledDaemonTest(unittest.TestCase):
             while True:  # until it is answered, as a client should
                 try:
                     reply = self.daemon.request("POST", "/v1/jobs", json_body=small_job(seed=seed),
-                                                headers={"Idempotency-Key": key}, timeout_s=5)
+                                                headers={"Idempotency-Key": key})
                     if reply.status == 202:
                         with self.lock:
                             self.accepted.setdefault(key, set()).add(reply.json["id"])
@@ -219,7 +214,7 @@ class KilledDaemonTest(unittest.TestCase):
             client.start()
         try:
             for _ in range(KILLS):
-                time.sleep(randomness.uniform(0.02, 1.5))
+                time.sleep(randomness.uniform(0.02, 0.6))
                 children = self.daemon.children()
                 self.daemon.kill()
                 wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in children), "children live on")
@@ -227,7 +222,6 @@ class KilledDaemonTest(unittest.TestCase):
                 self.assertEqual(store.execute("PRAGMA integrity_check").fetchone(), ("ok",))
                 store.close()
                 self.daemon.start()
-            time.sleep(1)
         finally:
             self.done.set()
             for client in clients:

@@ -6,10 +6,9 @@ import csv
 import io
 import os
 import signal
-import time
 import unittest
 
-from photond_daemon import Daemon, deadline_after, small_job
+from photond_daemon import Daemon, small_job
 
 PATHS = {"name": "path_tracing"}
 ENDLESS = 100_000_000  # passes: over long after the test
@@ -331,11 +330,8 @@ class WaitingTest(unittest.TestCase):
             daemon.wait_ready()
             job = daemon.submit({**small_job(), "reference": made(ENDLESS)})
             for attempt in (1, 2):
-                deadline = deadline_after()
-                while len(daemon.job(job["reference_job"])["attempts"]) < attempt or \
-                        not daemon.job(job["reference_job"])["passes_done"]:
-                    self.assertLess(time.monotonic(), deadline)
-                    time.sleep(0.02)
+                daemon.wait_for_job_that(lambda found: len(found["attempts"]) == attempt and found["passes_done"] > 0,
+                                         f"to have done a pass of attempt {attempt}", job["reference_job"])
                 os.kill(daemon.workers()["cpu"], signal.SIGSEGV)
             job = daemon.wait_for_job(job["id"])
             self.assertEqual(job["state"], "failed")

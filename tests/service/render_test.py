@@ -9,7 +9,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import tiny_scene  # noqa: E402
-from photond_daemon import DaemonTestCase, small_job, wait_until  # noqa: E402
+from photond_daemon import LONGEST_WAIT_S, DaemonTestCase, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 PNG, EXR = b"\x89PNG\r\n\x1a\n", b"\x76\x2f\x31\x01"
@@ -41,7 +41,7 @@ class RenderTest(DaemonTestCase):
 
     def unanswered(self, method, path, body=None):
         """A request that was sent, whose answer is still to come."""
-        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=400)
+        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port)
         connection.request(method, path, body=None if body is None else json.dumps(body),
                            headers={} if body is None else {"Content-Type": "application/json"})
         return connection
@@ -55,7 +55,7 @@ class RenderTest(DaemonTestCase):
         """A request for an image that is never done, and its job."""
         before = self.newest_job()
         connection = self.unanswered("POST", "/v1/render" + query, small_job(size=16, passes=ENDLESS))
-        wait_until(lambda: self.newest_job() != before, "no job came")
+        self.daemon.wait_until(lambda: self.newest_job() != before, "a job has come")
         return connection, self.newest_job()
 
     def endless(self):
@@ -119,12 +119,12 @@ class RenderTest(DaemonTestCase):
         self.assertEqual(more.status, 202)
 
     def test_waits_until_a_job_is_over(self):
-        done = self.daemon.request("POST", "/v1/jobs?wait=400", json_body=small_job(size=16))
+        done = self.daemon.request("POST", f"/v1/jobs?wait={LONGEST_WAIT_S}", json_body=small_job(size=16))
         self.assertEqual((done.status, done.json["state"]), (200, "succeeded"))
-        again = self.daemon.request("GET", f"/v1/jobs/{done.json['id']}/image.exr?wait=400")
+        again = self.daemon.request("GET", f"/v1/jobs/{done.json['id']}/image.exr?wait={LONGEST_WAIT_S}")
         self.assertEqual((again.status, again.body[:4]), (200, EXR))
         begun = self.endless()
-        waiting = [self.unanswered("GET", f"/v1/jobs/{begun}{path}?wait=400") for path in ("", "/image.exr", "/log.txt")]
+        waiting = [self.unanswered("GET", f"/v1/jobs/{begun}{path}?wait={LONGEST_WAIT_S}") for path in ("", "/image.exr", "/log.txt")]
         self.daemon.wait_for_job(begun, states=("running",))
         self.daemon.request("DELETE", f"/v1/jobs/{begun}")
         job, image, log = (connection.getresponse() for connection in waiting)
@@ -136,7 +136,7 @@ class RenderTest(DaemonTestCase):
 
     def test_any_number_waits_and_others_are_answered(self):
         begun = self.endless()
-        waiting = [self.unanswered("GET", f"/v1/jobs/{begun}?wait=400") for _ in range(200)]
+        waiting = [self.unanswered("GET", f"/v1/jobs/{begun}?wait={LONGEST_WAIT_S}") for _ in range(200)]
         asked = time.monotonic()
         self.assertEqual(self.daemon.request("GET", "/v1/status").status, 200)
         print(f"an answer beside 200 that wait: {1e3 * (time.monotonic() - asked):.1f} ms")
@@ -146,7 +146,7 @@ class RenderTest(DaemonTestCase):
             connection.close()
 
     def test_a_client_that_leaves_takes_its_job_along_if_it_said_so(self):
-        for query, state in (("?wait=400", "running"), ("?wait=400&cancel_on_disconnect=true", "cancelled")):
+        for query, state in ((f"?wait={LONGEST_WAIT_S}", "running"), (f"?wait={LONGEST_WAIT_S}&cancel_on_disconnect=true", "cancelled")):
             connection, job = self.unanswered_render(query)
             self.daemon.wait_for_job(job, states=("running",))
             connection.close()
@@ -189,8 +189,8 @@ class RenderTest(DaemonTestCase):
         with type(self.daemon)() as other:
             job = other.submit(small_job(size=16, passes=ENDLESS))["id"]
             other.wait_for_job(job, states=("running",))
-            connection = http.client.HTTPConnection(other.address, other.port, timeout=400)
-            connection.request("GET", f"/v1/jobs/{job}?wait=400")
+            connection = http.client.HTTPConnection(other.address, other.port)
+            connection.request("GET", f"/v1/jobs/{job}?wait={LONGEST_WAIT_S}")
             other.stop()
             try:
                 self.assertIn(json.loads(connection.getresponse().read())["state"], ("running", "queued"))

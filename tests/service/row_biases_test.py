@@ -3,11 +3,10 @@ restart, and shown by the table, as a map and as a picture.
 """
 
 import struct
-import time
 import unittest
 import zlib
 
-from photond_daemon import OVER, Daemon, DaemonTestCase, deadline_after, small_job, wait_until, wait_until_at_rest
+from photond_daemon import OVER, Daemon, DaemonTestCase, small_job, wait_until_at_rest
 
 SIZE = 48  # blocks of 32 pixels, cut at the right and at the bottom
 BLURRED = {"name": "photon_mapping", "parameters": {"gather": "direct", "boundary": "none", "photons": 2000, "radius": 0.5}}
@@ -52,17 +51,14 @@ class RowBiases(DaemonTestCase):
         def over():
             found = cls.daemon.request("GET", f"/v1/comparisons/{identity}").json
             return found["state"] in OVER and (found["state"] != "succeeded" or is_complete(found)) and found
-        found = wait_until(over, "it is not complete")
+        found = cls.daemon.wait_until(over, "the comparison is complete")
         assert found["state"] == "succeeded", found
         return found
 
     def get(self, path):
         """The reply that is no "ask again": the machine's other jobs come first."""
-        deadline = deadline_after()
-        while (reply := self.daemon.request("GET", path)).status == 503:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.2)
-        return reply
+        return self.daemon.wait_until(lambda: (reply := self.daemon.request("GET", path)).status != 503 and reply,
+                                      f"{path} is made", look_every_s=0.2)
 
     def rows(self, found=None):
         return f"/v1/comparisons/{(found or self.found)['id']}/rows"
@@ -133,10 +129,9 @@ class BesideAJob(DaemonTestCase):
     def test_it_is_measured_in_the_background(self):
         identity = self.daemon.request("POST", "/v1/comparisons", json_body=comparison(seeds=(1, 2))).json["id"]
         endless = self.daemon.submit(small_job(size=64, passes=100_000_000))["id"]
-        deadline = deadline_after()
-        while not (found := self.daemon.request("GET", f"/v1/comparisons/{identity}").json)["table"][-1]["bias"]:
-            self.assertLess(time.monotonic(), deadline, found["state"])
-            time.sleep(0.1)
+        found = self.daemon.wait_until(
+            lambda: (now := self.daemon.request("GET", f"/v1/comparisons/{identity}").json)["table"][-1]["bias"] and now,
+            "its bias is measured", look_every_s=0.1)
         self.assertEqual((found["state"], self.daemon.job(endless)["state"]), ("succeeded", "running"))
         self.daemon.request("DELETE", f"/v1/jobs/{endless}")
 
@@ -144,14 +139,15 @@ class BesideAJob(DaemonTestCase):
 class MeasuredAgain(DaemonTestCase):
     def test_what_could_not_be_kept_is_measured_later(self):
         # Processes kept in reserve, of which nobody tells, open the folder as they start.
-        wait_until_at_rest(self.daemon.children, "the daemon's processes go on starting")
+        wait_until_at_rest(self.daemon.children)
         cache, away = self.daemon.data_dir / "cache", self.daemon.data_dir / "away"
         cache.rename(away)
         body = comparison(seeds=(1, 2), metrics=["relative_mse", "direct:relative_mse"])
         path = "/v1/comparisons/" + self.daemon.request("POST", "/v1/comparisons", json_body=body).json["id"]
-        found = wait_until(lambda: (now := self.daemon.request("GET", path).json)["state"] in OVER and now, "not over")
+        found = self.daemon.wait_for_state(path)
         # Six figures, each by itself: no layer waits for another's.
-        wait_until(lambda: self.daemon.log().count("are not measured now: cannot write") >= 6, self.daemon.log())
+        self.daemon.wait_until(lambda: self.daemon.log().count("are not measured now: cannot write") >= 6,
+                               "each figure has failed")
         self.assertEqual([row["bias"] for row in found["table"]], [None] * 3)
         away.rename(cache)
 
@@ -159,7 +155,7 @@ class MeasuredAgain(DaemonTestCase):
             table = self.daemon.request("GET", path).json["table"]
             return all(row["bias"] and len(row["bias"]) == 2 for row in table) and table
 
-        for row in wait_until(measured, "not measured"):
+        for row in self.daemon.wait_until(measured, "all of it is measured"):
             self.assertEqual(row["bias"].keys(), set(body["metrics"]))
 
 
@@ -168,10 +164,9 @@ class KeptOverARestart(unittest.TestCase):
         with Daemon() as daemon:
             identity = daemon.request("POST", "/v1/comparisons", json_body=comparison(seeds=(1, 2))).json["id"]
             path = f"/v1/comparisons/{identity}"
-            deadline = deadline_after()
-            while (found := daemon.request("GET", path).json)["state"] not in OVER or not is_measured(found):
-                self.assertLess(time.monotonic(), deadline, found)
-                time.sleep(0.05)
+            found = daemon.wait_for_state(path)
+            found = daemon.wait_until(lambda: is_measured(now := daemon.request("GET", path).json) and now,
+                                      "it is measured", look_every_s=0.05)
             before = found["table"], daemon.request("GET", f"{path}/rows/1/bias.json").body
             for film in (daemon.data_dir / "films").iterdir():
                 film.write_bytes(b"")  # nothing can be measured any more
@@ -184,7 +179,7 @@ class KeptOverARestart(unittest.TestCase):
             self.assertEqual(before, now())
             for film in found["reference"]["jobs"]:
                 self.assertLess(daemon.request("DELETE", f"/v1/jobs/{film}?purge=true").status, 300)
-                wait_until(lambda: daemon.request("GET", f"/v1/jobs/{film}").status == 404, "not removed")
+                daemon.wait_until(lambda: daemon.request("GET", f"/v1/jobs/{film}").status == 404, f"{film} is removed")
             self.assertEqual(before, now())
             self.assertEqual(daemon.request("GET", path).json["reference"]["form"], "two_films")
             reply = daemon.request("GET", f"{path}/rows/1/bias.json?layer=direct")

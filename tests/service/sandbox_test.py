@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, small_job, wait_until
+from photond_daemon import BIN, Daemon, small_job
 
 
 def processes(status):
@@ -21,7 +21,7 @@ def access_of(daemon):
         accesses = [process["file_access"] for process in processes(daemon.request("GET", "/v1/status").json)]
         return all(accesses) and accesses
 
-    found = {(access["by"], access["version"]) for access in wait_until(told, "every process says what it has")}
+    found = {(access["by"], access["version"]) for access in daemon.wait_until(told, "every process says what it has")}
     assert len(found) == 1, found
     return found.pop()
 
@@ -52,7 +52,7 @@ class SandboxTest(unittest.TestCase):
         frames = daemon.request("POST", "/v1/sequences", json_body={
             **small_job(size=16, passes=1), "scene": "moving/teleport", "frames": 2}).json
         video = f"/v1/sequences/{frames['id']}/video?format=mp4"
-        wait_until(lambda: daemon.request("GET", f"/v1/sequences/{frames['id']}").json["state"] == "succeeded", "frames")
+        daemon.wait_for_state(f"/v1/sequences/{frames['id']}", ("succeeded",))
         self.assertEqual(daemon.request("GET", video).body[4:8], b"ftyp")
         image = daemon.request("GET", f"{ours}/image.exr").body
         added = daemon.request("POST", "/v1/images", body=image, headers={"Content-Type": "image/x-exr"})

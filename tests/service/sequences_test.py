@@ -13,7 +13,7 @@ import tempfile
 import unittest
 import zipfile
 
-from photond_daemon import Daemon, DaemonTestCase, deadline_after, small_job, wait_until
+from photond_daemon import Daemon, DaemonTestCase, small_job
 
 OVER = ("succeeded", "failed", "cancelled")
 
@@ -34,8 +34,7 @@ def look(daemon, id):
 
 
 def wait_over(daemon, id):
-    wait_until(lambda: look(daemon, id)["state"] in OVER, f"sequence {id} to be over", deadline_after())
-    return look(daemon, id)
+    return daemon.wait_for_state(f"/v1/sequences/{id}")
 
 
 def hashes(daemon, done):
@@ -209,7 +208,7 @@ class SequencesTest(DaemonTestCase):
 
     def test_a_summary_is_a_sequence_without_its_frames(self):
         made = submit(self.daemon, sequence(frames=3, stop={"seconds": 60}))
-        wait_until(lambda: look(self.daemon, made["id"])["job_states"]["running"] == 1, "a frame to run")
+        self.daemon.wait_until(lambda: look(self.daemon, made["id"])["job_states"]["running"] == 1, "a frame runs")
         whole, summary = look(self.daemon, made["id"]), look(self.daemon, made["id"] + "?frames=false")
         self.assertEqual(set(whole) - set(summary), {"frames"})
         changing = ("frames", "progress", "seconds_left")
@@ -319,10 +318,10 @@ class SequencesTest(DaemonTestCase):
         follows = {"name": "path_tracing", "parameters": {"temporal": "reproject"}}
         made = submit(self.daemon, sequence(frames=3, passes=4000, size=32, method=follows))
         first, second, third = (frame["id"] for frame in made["frames"])
-        wait_until(lambda: self.daemon.job(first)["state"] == "running", "the first frame to run", deadline_after())
+        self.daemon.wait_for_job(first, states=("running",))
         self.assertIn(f"job {first}", self.daemon.job(second)["waiting_for"])
         self.daemon.request("DELETE", f"/v1/jobs/{first}")
-        wait_until(lambda: self.daemon.job(second)["state"] == "running", "the second frame to run", deadline_after())
+        self.daemon.wait_for_job(second, states=("running",))
         self.assertIn(f"job {second}", self.daemon.job(third)["waiting_for"])
         self.assertNotIn("follows the frame", self.daemon.request("GET", f"/v1/jobs/{second}/log.txt").text)
         self.daemon.request("DELETE", f"/v1/sequences/{made['id']}")
@@ -341,7 +340,7 @@ class KilledSequencesTest(unittest.TestCase):
             daemon.wait_ready()
             id = submit(daemon, body)["id"]
             for kill in range(5):
-                wait_until(lambda: look(daemon, id)["job_states"]["succeeded"] > 2 * kill, "two more frames", deadline_after())
+                daemon.wait_until(lambda: look(daemon, id)["job_states"]["succeeded"] > 2 * kill, "two more frames")
                 if kill % 2:
                     daemon.kill()
                     daemon.start()

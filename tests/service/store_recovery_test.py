@@ -14,11 +14,11 @@ import unittest
 
 import tiny_scene
 from film_versions import as_version, passes_of
-from photond_daemon import BIN, Daemon, patience, small_job, wait_until
+from photond_daemon import BIN, Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
-LONGER = {"size": 64, "passes": 1000}  # a second or two, in which SAVES saves often
-SAVES = ("--save-seconds", 0.1)
+LONGER = {"size": 64, "passes": 600}  # about a second, in which SAVES saves often
+SAVES = ("--save-seconds", 0.05)
 
 
 def hash_of(job):
@@ -196,17 +196,17 @@ class SavedFilmTest(StoreCase):
 
     def film_saved_unheard(self, job):
         """Halts the daemon and waits until its worker has saved a film after that; its passes."""
-        wait_until(lambda: self.daemon.job(job["id"])["passes_done"] > 0, "no pass was done")
+        self.daemon.wait_for_passes(job["id"])
         self.stop_hearing()
         film = self.films / f"{job['id']}-1.film"
         known = film.stat().st_mtime_ns if film.exists() else 0
-        wait_until(lambda: film.exists() and film.stat().st_mtime_ns != known, "no film was saved")
+        wait_until(lambda: film.exists() and film.stat().st_mtime_ns != known, "a film is saved", self.daemon)
         return film
 
     def test_a_killed_daemon_has_not_heard_of_it(self):
         self.start(*SAVES)
         expected = hash_of(self.daemon.run_job(small_job(**LONGER)))
-        for round_ in range(3):
+        for round_ in range(2):
             with self.subTest(round=round_):
                 job = self.daemon.submit(small_job(**LONGER))
                 film = self.film_saved_unheard(job)
@@ -300,7 +300,7 @@ class FolderTest(StoreCase):
     def test_a_busy_port_is_found_before_anything_is_touched(self):
         self.start(*SAVES)
         job = self.daemon.submit(small_job(size=64, passes=ENDLESS))
-        wait_until(lambda: list(self.films.glob("*.film")), "no film was saved")
+        self.daemon.wait_until(lambda: list(self.films.glob("*.film")), "a film is saved", job=job["id"])
         self.daemon.kill()
         (self.films / "half").write_bytes(b"a stray")
         (self.daemon.data_dir / "spool" / "u1").write_bytes(b"an upload under way")
@@ -314,7 +314,7 @@ class FolderTest(StoreCase):
             address = f"127.0.0.1:{taken.getsockname()[1]}"
             for folder in (self.daemon.data_dir, self.daemon.data_dir / "not-there-yet"):
                 ended = subprocess.run([BIN / "photond", "--data", folder, "--listen", address], capture_output=True,
-                                       timeout=patience(), check=False)
+                                       check=False)
                 self.assertEqual(ended.returncode, 1)
                 self.assertIn(b"Address already in use", ended.stderr)
         self.assertEqual(lying_there(), before)
@@ -344,7 +344,7 @@ class WholeCheckTest(StoreCase):
         return (page - 1) * size
 
     def checked(self):
-        wait_until(lambda: self.store()["check"]["state"] not in ("waiting", "running"), "the check does not end")
+        self.daemon.wait_until(lambda: self.store()["check"]["state"] not in ("waiting", "running"), "the check ends")
         return self.store()["check"]
 
     def test_it_is_told_in_the_status(self):

@@ -76,7 +76,7 @@ class Forwarder(http.server.BaseHTTPRequestHandler):
         upstream = urllib.request.Request(self.server.upstream + self.path, data=body or None, headers=headers,
                                           method=self.command)
         try:
-            reply = urllib.request.urlopen(upstream, timeout=400)
+            reply = urllib.request.urlopen(upstream)
         except urllib.error.HTTPError as refusal:
             reply = refusal
         except OSError:  # the daemon is away, or went

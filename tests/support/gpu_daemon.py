@@ -9,7 +9,7 @@ import socket
 import subprocess
 import unittest
 
-from photond_daemon import BIN, Daemon, patience
+from photond_daemon import BIN, Daemon
 
 LAYERS = BIN.parent / "vulkan_layers"
 
@@ -23,7 +23,7 @@ def listed_devices():
             command = ["sh", "-c", 'exec "$0" --device list 3<&"$1"', str(BIN / "photond-worker"), str(theirs.fileno())]
             process = subprocess.Popen(command, pass_fds=[theirs.fileno()])
         message = ours.makefile().readline()
-        process.wait(patience())
+        process.wait()
     return json.loads(message)["items"]
 
 

@@ -17,10 +17,11 @@ import subprocess
 import tempfile
 import unittest
 
-from photond_daemon import BIN, Daemon, patience
+from photond_daemon import BIN, Daemon
 
 PHOTONCTL = str(BIN / "photonctl")
 SMALL = ["--width", "24", "--height", "16", "--passes", "2"]
+NO_LIMIT_S = 86_400  # more than any test takes
 OK, FAILED, USAGE, UNREACHABLE, REFUSED, CANCELLED, TIMED_OUT, LOCAL_FILE, INTERRUPTED = 0, 1, 2, 3, 4, 5, 6, 7, 130
 
 
@@ -46,9 +47,9 @@ class Cli:
         variables = {k: v for k, v in os.environ.items() if not k.startswith("PHOTOND_") and k != "NO_COLOR"}
         return {**variables, "PHOTOND_URL": self.url(), **more}
 
-    def run(self, *arguments, timeout=0, input=None, **variables):
-        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=patience(timeout),
-                              cwd=self.folder, env=self.environment(**variables), input=input)
+    def run(self, *arguments, input=None, **variables):
+        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder,
+                              env=self.environment(**variables), input=input)
 
     def popen(self, *arguments):
         return subprocess.Popen([PHOTONCTL, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -59,10 +60,9 @@ class Cli:
         words = bash_words(line)
         script = (f'source <("{PHOTONCTL}" completion bash); compopt() {{ :; }}; COMP_LINE="$1"; COMP_POINT=${{#1}}; shift; '
                   'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _photonctl; printf "%s\\n" "${COMPREPLY[@]}"')
-        limit = patience()
-        environment = self.environment(PATH=f"{BIN}:{os.environ['PATH']}", PHOTOND_COMPLETION_SECONDS=str(limit))
-        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=limit,
-                              cwd=self.folder, env=environment)
+        environment = self.environment(PATH=f"{BIN}:{os.environ['PATH']}", PHOTOND_COMPLETION_SECONDS=str(NO_LIMIT_S))
+        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, cwd=self.folder,
+                              env=environment)
 
 
 def bash_words(line):

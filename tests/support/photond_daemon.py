@@ -19,59 +19,80 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import threading
 import time
 import unittest
 
 BIN = pathlib.Path(os.environ.get("PHOTOND_BIN", pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"))
 LISTENING = re.compile(r"^photond listening on http://(\S+):(\d+)\s*$")
 OVER = ("succeeded", "failed", "cancelled")
-# How many times as long as usual programs take: those under a sanitizer are slow.
+LONGEST_WAIT_S = 600  # that a request may ask the daemon for; who waits longer asks again
+# How many times as long as usual programs take: those under a sanitizer are slow. The daemon's own limits are that much longer.
 PATIENCE = float(os.environ.get("PHOTOND_TEST_PATIENCE", "1"))
-# Nothing is given up sooner than that. CI's machine may be several times slower than the one that a test was written on,
-# and nobody but who waits in vain notices how long it is.
-LEAST_PATIENCE_S = 400
 UNDER_SANITIZER = "PHOTOND_UNDER_SANITIZER" in os.environ
+LOG_SHOWN = 4000  # characters of a daemon's log that a failure shows, its last
 
 # The daemon is not dumpable, so that its files in /proc are root's.
 needs_root = unittest.skipUnless(os.geteuid() == 0, "only root sees into the daemon's process")
 
 
-def patience(seconds=LEAST_PATIENCE_S):
-    """How long is waited for what is expected within so many seconds."""
-    return PATIENCE * max(seconds, LEAST_PATIENCE_S)
+class Ended(ConnectionError):
+    """What a test waits for does not come any more, because the process or the job has ended that would bring it."""
 
 
-def deadline_after(seconds=LEAST_PATIENCE_S):
-    """Of time.monotonic()."""
-    return time.monotonic() + patience(seconds)
-
-
-def wait_until(condition, what, timeout_s=LEAST_PATIENCE_S):
-    """What `condition` gives once that is true; raises with the words of `what` when it does not come to that."""
-    deadline = deadline_after(timeout_s)
+def wait_until(condition, what, *sources, look_every_s=0.01):
+    """What `condition` gives once that is true. `sources` are the daemons and processes that bring it about: the wait ends
+    with the words of `what`, and with a daemon's log, when one of them has ended before. There is no time-out but ctest's:
+    a busy machine makes every wait longer.
+    """
     while not (value := condition()):
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
+        ended = [source for source in sources if has_ended(source)]
+        if ended:
+            if value := condition():  # the last thing that it did
+                return value
+            raise Ended(f"{what}: it never comes, for {', '.join(map(account_of, ended))}")
+        time.sleep(look_every_s)
     return value
+
+
+def has_ended(source):
+    """Whether a Daemon, or a subprocess.Popen, runs no more."""
+    return not source.running() if isinstance(source, Daemon) else source.poll() is not None
+
+
+def account_of(source):
+    """How a Daemon or a subprocess.Popen has ended."""
+    if not isinstance(source, Daemon):
+        return f"{source.args} has ended with status {source.returncode}"
+    if source.process is None:
+        return "the daemon was not started"
+    return f"the daemon has ended with status {source.process.returncode}\n{source.log()[-LOG_SHOWN:]}"
+
+
+def fields_of(stat):
+    """The fields of one of the kernel's files named stat, from the state of the process or thread on."""
+    return pathlib.Path(stat).read_text().rsplit(")", 1)[1].split()
 
 
 def processor_ticks(pid):
     """What a process has computed, in the kernel's ticks."""
-    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    fields = fields_of(f"/proc/{pid}/stat")
     return int(fields[11]) + int(fields[12])
 
 
-def wait_until_at_rest(pids, what, timeout_s=LEAST_PATIENCE_S):
-    """Until those processes, `pids()`, are the same for two seconds and compute nothing meanwhile."""
-    deadline = deadline_after(timeout_s)
-    looks = [None]
+def is_waiting(pid):
+    """Whether no thread of a process wants a processor: one that gets none on a busy machine wants it nevertheless."""
+    return all(fields_of(stat)[0] not in "RD" for stat in pathlib.Path(f"/proc/{pid}/task").glob("*/stat"))
+
+
+def wait_until_at_rest(pids):
+    """Returns once those processes, `pids()`, are the same at five looks within two seconds, and neither compute nor want
+    to meanwhile. One that has ended raises FileNotFoundError.
+    """
+    looks = []
     while len(looks) < 5 or any(look != looks[-1] for look in looks[-5:]):
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
         time.sleep(0.5)
-        looks.append(sorted((pid, processor_ticks(pid)) for pid in pids()))
+        now = sorted((pid, processor_ticks(pid)) for pid in pids())
+        looks = [*looks, now] if all(is_waiting(pid) for pid, _ in now) else []
 
 
 class Reply:
@@ -99,8 +120,7 @@ class Daemon:
     `open_files` the file descriptors that the system grants it, `address_space` the bytes that it grants each process.
     """
 
-    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=LEAST_PATIENCE_S, environment=None, open_files=None,
-                 address_space=None):
+    def __init__(self, *extra, data_dir=None, start=True, environment=None, open_files=None, address_space=None):
         self.extra = [str(argument) for argument in extra]
         if PATIENCE > 1:
             for option, seconds in (("--helper-timeout", 120), ("--heartbeat-timeout", 30)):
@@ -110,7 +130,6 @@ class Daemon:
             self.extra += ["--repeats", "0"]
         self.own_data = data_dir is None
         self.data_dir = pathlib.Path(data_dir or tempfile.mkdtemp(prefix="photond-test-"))
-        self.start_timeout_s = start_timeout_s
         self.environment = environment or {}
         self.granted = [f"--{name}={value}" for name, value in (("nofile", open_files), ("as", address_space)) if value]
         self.process = None
@@ -134,41 +153,44 @@ class Daemon:
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, stdin=subprocess.DEVNULL,
                                             env={**os.environ, **self.environment})
-        lines = []
-        reader = threading.Thread(target=lambda: lines.append(self.process.stdout.readline()), daemon=True)
-        reader.start()
-        reader.join(patience(self.start_timeout_s))
-        match = LISTENING.match(lines[0].decode()) if lines else None
+        line = self.process.stdout.readline()  # empty once it has ended
+        match = LISTENING.match(line.decode())
         if not match:
             self.kill()
-            raise RuntimeError(f"photond did not start: {' '.join(command)}\nstdout: {lines}\n{self.log()[-4000:]}")
+            raise RuntimeError(f"photond did not start: {' '.join(command)}\nstdout: {line}\n{self.log()[-LOG_SHOWN:]}")
         self.address, self.port = match.group(1), int(match.group(2))
 
-    def wait_ready(self, timeout_s=LEAST_PATIENCE_S):
-        """Until /readyz answers 200; returns the seconds it took."""
-        begun = time.monotonic()
-        while True:
-            reply = self.request("GET", "/readyz")
-            if reply.status == 200:
-                return time.monotonic() - begun
-            if time.monotonic() - begun > patience(timeout_s):
-                raise TimeoutError(f"not ready after {timeout_s} s: {reply!r}\n{self.log()[-4000:]}")
-            time.sleep(0.02)
+    def wait_ready(self):
+        """Until /readyz answers 200."""
+        self.wait_until(lambda: self.request("GET", "/readyz").status == 200, "the daemon is ready", look_every_s=0.02)
+
+    def wait_until(self, condition, what, job=None, look_every_s=0.01):
+        """What `condition` gives once that is true, as the function wait_until() does with this daemon. Where `job` is an
+        id, the wait ends with that job too.
+        """
+        def fulfilled():
+            value = condition()
+            if value or not job:
+                return value
+            found = self.job(job)
+            if found["state"] not in OVER:
+                return None
+            if value := condition():  # the last thing that it did
+                return value
+            raise Ended(f"{what}: it never comes, for {self.account_of_job(found)}")
+        return wait_until(fulfilled, what, self, look_every_s=look_every_s)
 
     def running(self):
         return self.process is not None and self.process.poll() is None
 
-    def stop(self, timeout_s=LEAST_PATIENCE_S):
+    def stop(self):
         """SIGTERM and wait; returns the exit status."""
         if self.process is None:
             return None
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
         try:
-            return self.process.wait(patience(timeout_s))
-        except subprocess.TimeoutExpired:
-            self.kill()
-            raise
+            return self.process.wait()
         finally:
             self.process.stdout.close()
 
@@ -207,17 +229,21 @@ class Daemon:
         return {worker["device"]: worker["pid"] for worker in status["workers"] if worker["device"] != "none"}
 
     # --- talking ------------------------------------------------------------------------------------------------------
-    def request(self, method, path, body=None, headers=None, json_body=None, timeout_s=LEAST_PATIENCE_S):
-        """One request over its own connection."""
+    def request(self, method, path, body=None, headers=None, json_body=None):
+        """One request over its own connection. Raises Ended with the log where the daemon has ended."""
         headers = dict(headers or {})
         if json_body is not None:
             body = json.dumps(json_body).encode()
             headers.setdefault("Content-Type", "application/json")
-        connection = http.client.HTTPConnection(self.address, self.port, timeout=PATIENCE * timeout_s)
+        connection = http.client.HTTPConnection(self.address, self.port)
         try:
             connection.request(method, path, body=body, headers=headers)
             response = connection.getresponse()
             return Reply(response.status, {k.lower(): v for k, v in response.getheaders()}, response.read())
+        except (OSError, http.client.HTTPException) as error:
+            if not has_ended(self):
+                raise
+            raise Ended(f"{method} {path}: {error!r}, for {account_of(self)}") from error
         finally:
             connection.close()
 
@@ -229,27 +255,67 @@ class Daemon:
             raise AssertionError(f"job not accepted: {reply!r}")
         return reply.json
 
-    def job(self, job_id):
-        reply = self.request("GET", f"/v1/jobs/{job_id}")
+    def job(self, job_id, query=""):
+        """The job's object."""
+        reply = self.request("GET", f"/v1/jobs/{job_id}{query}")
         if reply.status != 200:
             raise AssertionError(f"job {job_id}: {reply!r}")
         return reply.json
 
-    def wait_for_job(self, job_id, states=OVER, timeout_s=LEAST_PATIENCE_S, look_every_s=0.01):
-        """The job's object once it is in one of `states`. Looking costs processor time, which a job that is timed may
-        miss: seldom, then."""
-        begun = time.monotonic()
-        while True:
-            job = self.job(job_id)
-            if job["state"] in states:
-                return job
-            if time.monotonic() - begun > patience(timeout_s):
-                raise TimeoutError(f"job {job_id} is {job['state']} after {timeout_s} s\n{self.log()[-4000:]}")
-            time.sleep(look_every_s)
+    def account_of_job(self, job):
+        """What became of a job that is over, by its object."""
+        return f"job {job['id']} is {job['state']} after {job['passes_done']} passes: {job['failure']}\n{self.log()[-LOG_SHOWN:]}"
 
-    def run_job(self, job, **waiting):
-        """Submits a job and returns its object once it has succeeded; `waiting` as wait_for_job()'s."""
-        job = self.wait_for_job(self.submit(job)["id"], **waiting)
+    def wait_for_job(self, job_id, states=OVER):
+        """The job's object once it is in one of `states`; raises Ended when it is over in another one. The daemon itself
+        says when a job is over: looks would take processor time from it.
+        """
+        if not set(OVER) <= set(states):
+            return self.wait_for_job_that(lambda job: job["state"] in states, f"to be {' or '.join(states)}", job_id)
+        while (job := self.job(job_id, f"?wait={LONGEST_WAIT_S}"))["state"] not in states:
+            pass
+        return job
+
+    def wait_for_passes(self, job_id, passes=1):
+        """The job's object once it has done that many passes; raises Ended when it is over with fewer."""
+        return self.wait_for_job_that(lambda job: job["passes_done"] >= passes, f"to have done {passes} passes", job_id)
+
+    def wait_for_job_that(self, fits, what, job_id):
+        """The job's object once `fits` is true of it; raises Ended, with the words of `what`, when it is over before."""
+        def fitting():
+            job = self.job(job_id)
+            if fits(job):
+                return job
+            if job["state"] in OVER:
+                raise Ended(f"waited for {job_id} {what}: {self.account_of_job(job)}")
+            return None
+        return self.wait_until(fitting, f"{job_id} {what}")
+
+    def wait_for_kept_film(self, job_id, attempt=1):
+        """Until the store names the film that a job's attempt saves while it runs, which is a little after the film is there.
+        A backup tells what the store names.
+        """
+        film = f"films/{job_id}-{attempt}.film"
+        self.wait_until(lambda: film in [file["path"] for file in self.request("POST", "/v1/backups").json["files"]],
+                        f"the store names {film}", job=job_id, look_every_s=0.05)
+
+    def wait_for_state(self, path, states=OVER):
+        """The comparison or sequence at `path` once it is in one of `states`; raises Ended when it is over in another one."""
+        def fitting():
+            found = self.request("GET", path).json
+            if found["state"] in states:
+                return found
+            if found["state"] in OVER:
+                raise Ended(f"waited for {path} to be {' or '.join(states)}: it is {found['state']}\n{self.log()[-LOG_SHOWN:]}")
+            if set(states) <= set(OVER):  # not before its last job is over, which the daemon tells who waits for that
+                jobs = found.get("jobs") or found.get("frames")
+                self.request("GET", f"/v1/jobs/{jobs[-1]['id']}?wait={LONGEST_WAIT_S}")
+            return None
+        return self.wait_until(fitting, f"{path} is {' or '.join(states)}", look_every_s=0.02)
+
+    def run_job(self, job):
+        """Submits a job and returns its object once it has succeeded."""
+        job = self.wait_for_job(self.submit(job)["id"])
         if job["state"] != "succeeded":
             raise AssertionError(f"job {job['id']}: {job['failure']}")
         return job

@@ -32,7 +32,7 @@ class Fixture:
         for name in ("PHOTOND_URL", "PHOTOND_TOKEN"):
             os.environ.pop(name, None)
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="photond-python-test-"))
-        self.daemon = Daemon()
+        self.daemon = Daemon("--threads", 1)  # its endless jobs take what they get
         self.daemon.wait_ready()
         self.client = photond.Client(url_of(self.daemon))
 
