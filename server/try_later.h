@@ -14,4 +14,10 @@ public:
     const bool under_way;  // what was asked for is being made meanwhile
 };
 
+/// Whether what failed so may succeed when it is tried again without any change: a job renders meanwhile, a helper is
+/// started anew, or the disk is full.
+inline bool may_pass(ErrorCode code) {
+    return code == ErrorCode::Unavailable || code == ErrorCode::WorkerLost || code == ErrorCode::NoSpace;
+}
+
 }  // namespace photond

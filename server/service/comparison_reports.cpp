@@ -7,6 +7,7 @@
 #include "server/comparisons/report_csv.h"
 #include "server/comparisons/report_html.h"
 #include "server/row_text.h"
+#include "server/try_later.h"
 
 namespace photond {
 
@@ -82,20 +83,24 @@ void bound_pictures(Report& report) {
 
 }  // namespace
 
-void ComparisonReports::add_pictures(Report& report, const Judged& judged) {
+bool ComparisonReports::add_pictures(Report& report, const Judged& judged) {
     const json& comparison = judged.object;
     const std::vector<size_t> rows = pictured_rows(judged.table, judged.jobs, report);
-    if (rows.empty()) return;
+    if (rows.empty()) return true;
+    bool lasting = true;
     const json reference = comparison.at("reference");
     const bool reference_rendered = reference.is_object() && reference["job"].is_string() &&
                                     reference["state"] == job_state_name(JobState::Succeeded);
-    const auto add = [&report](ReportPicture::Kind kind, const std::string& name, const std::string& job,
-                               const std::function<Artefact()>& encode) {
+    const auto add = [&report, &lasting](ReportPicture::Kind kind, const std::string& name, const std::string& job,
+                                         const std::function<Artefact()>& encode) {
         try {
             const Artefact artefact = encode();
             if (!artefact.pending) report.pictures.push_back({kind, name, job, bytes_of(artefact)});
         } catch (const Error& error) {  // a page without one image is better than none
-            report.notes.push_back("No image of " + name + " (" + job + "): " + error.what());
+            const bool passes = may_pass(error.code);
+            lasting = lasting && !passes;
+            report.notes.push_back("No image of " + name + " (" + job + "): " + error.what() +
+                                   (passes ? "; a later look at this page may have it." : ""));
         }
     };
     const auto preview = [&](const std::string& job) {
@@ -116,6 +121,7 @@ void ComparisonReports::add_pictures(Report& report, const Judged& judged) {
         add(ReportPicture::Kind::Flip, name, job, [&] { return jobs_.errors.flip(job, "beauty", "hdr"); });
     }
     bound_pictures(report);
+    return lasting;
 }
 
 Artefact ComparisonReports::comparison_html(const std::string& id) {
@@ -123,15 +129,20 @@ Artefact ComparisonReports::comparison_html(const std::string& id) {
     const Judged judged = judge(compared);
     // What the page shows follows from this object and from films that do not change once their job has succeeded.
     const std::string state = judged.object.dump(-1, ' ', false, json::error_handler_t::replace);
-    const std::string key = cache_prefix(judged.object, "html") + sha256_hex(state.data(), state.size());
-    return artefact_files_.artefact(key, "text/html; charset=utf-8", [&](const std::filesystem::path& path) {
-        Report report;
-        report.comparison = judged.object;
-        report.table = judged.table;
-        report.version = PHOTOND_VERSION;
-        report.statistics = judged.statistics;
-        add_pictures(report, judged);
-        const std::string page = report_html(report);
+    const std::string prefix = cache_prefix(judged.object, "html");
+    const std::string key = prefix + sha256_hex(state.data(), state.size());
+    const char* const media_type = "text/html; charset=utf-8";
+    if (auto kept = artefact_files_.kept(key, media_type)) return *std::move(kept);
+    Report report;
+    report.comparison = judged.object;
+    report.table = judged.table;
+    report.version = PHOTOND_VERSION;
+    report.statistics = judged.statistics;
+    const bool lasting = add_pictures(report, judged);
+    const std::string page = report_html(report);
+    // A page that lacks a picture for the moment goes by what it says, so that the next look has it made again.
+    const std::string of_page = prefix + "for-the-moment/" + sha256_hex(page.data(), page.size());
+    return artefact_files_.artefact(lasting ? key : of_page, media_type, [&](const std::filesystem::path& path) {
         write_text(path, page);
         return std::map<std::string, std::string>{{"Content-Security-Policy", report_content_security_policy(page)}};
     });

@@ -24,8 +24,9 @@ public:
     Artefact comparison_html(const std::string& id);
 
 private:
-    /// Images and maps of what has succeeded, first seed of each row; waits for the helper.
-    void add_pictures(Report& report, const Judged& judged);
+    /// Images and maps of what has succeeded, first seed of each row; waits for the helper. False where one is left out
+    /// that may be there at the next look, such as a map that was not drawn in time because a job renders.
+    bool add_pictures(Report& report, const Judged& judged);
 
     ArtefactFiles& artefact_files_;
     Jobs& jobs_;
