@@ -8,7 +8,7 @@
 
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 
 namespace photond {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // Whether glass lights its surroundings as path tracing says.
 
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::test {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "renderer/film/exr_file.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 
 namespace photond::test {
 

@@ -3,7 +3,7 @@
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/core/thread_local.h"
-#include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/frame/method.h"
 #include "renderer/scene/scene.h"
 
 namespace photond::test {
@@ -19,7 +19,6 @@ struct RenderSettingsOf {
     LayerSet layers;
     PixelFilter filter = PixelFilter::Box;
 };
-using RenderSettings = RenderSettingsOf<PathTracing>;
 
 /// What the scene's first camera sees.
 template <class M>

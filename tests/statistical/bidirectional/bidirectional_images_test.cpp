@@ -12,7 +12,7 @@
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/lit_rooms.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::bidirectional_images_test {

@@ -19,6 +19,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/scene.h"
 #include "tests/support/convergence.h"
+#include "tests/support/path_render.h"
 
 namespace photond::convergence_test {
 namespace {

@@ -16,7 +16,7 @@
 #include "renderer/error/estimate.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/scene.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::error_estimate_test {

@@ -24,7 +24,7 @@
 #include "renderer/error/seed_errors.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::rendered_pairs_test {

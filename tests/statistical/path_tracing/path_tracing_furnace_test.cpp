@@ -6,7 +6,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/environment_sampling.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/path_render.h"
 #include "tests/support/reference_images.h"
-#include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::path_tracing_reference_test {

@@ -5,6 +5,7 @@
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/glow_check.h"
+#include "tests/support/path_render.h"
 
 namespace photond::photon_splatting_glow_test {
 namespace {

@@ -8,7 +8,7 @@
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 

@@ -6,7 +6,7 @@
 #include "renderer/methods/progressive_photon_mapping/progressive_photon_mapping.h"
 #include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::progressive_images_test {

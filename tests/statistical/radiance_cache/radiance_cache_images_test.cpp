@@ -7,6 +7,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/hard_scenes.h"
+#include "tests/support/path_render.h"
 
 namespace photond::radiance_cache_images_test {
 namespace {

@@ -9,7 +9,7 @@
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::svo_many_lights_caustic_test {

@@ -8,6 +8,7 @@
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
+#include "tests/support/path_render.h"
 
 namespace photond::svo_many_lights_surfaces_test {
 namespace {

@@ -9,7 +9,7 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/threads.h"
 
 namespace photond::technique_choice_test {

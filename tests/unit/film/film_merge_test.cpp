@@ -11,8 +11,8 @@
 #include "renderer/film/film.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/path_render.h"
 #include "tests/support/random_film.h"
-#include "tests/support/render.h"
 #include "tests/support/threads.h"
 
 namespace photond::film_merge_test {

@@ -13,7 +13,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/camera_projection.h"
 #include "renderer/scene/pose.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 
 namespace photond::temporal_reprojection_test {
 namespace {

@@ -7,6 +7,7 @@
 #include "protocol/error.h"
 #include "tests/support/environment_scenes.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::image_based_lighting_test {
 namespace {

@@ -8,6 +8,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond::gpu_image_space_photon_mapping_test {

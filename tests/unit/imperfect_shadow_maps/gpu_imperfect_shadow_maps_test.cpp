@@ -18,6 +18,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/gpu_twin.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 #include "tests/support/vpls.h"
 
 namespace photond::gpu_imperfect_shadow_maps_test {

@@ -9,6 +9,7 @@
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::gpu_light_propagation_volumes_test {
 namespace {

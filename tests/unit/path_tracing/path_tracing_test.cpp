@@ -13,7 +13,7 @@
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/threads.h"
 

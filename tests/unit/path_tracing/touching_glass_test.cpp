@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::touching_glass_test {

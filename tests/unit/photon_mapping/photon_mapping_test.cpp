@@ -8,7 +8,7 @@
 #include "protocol/error.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
 

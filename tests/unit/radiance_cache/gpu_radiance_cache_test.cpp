@@ -7,6 +7,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/aged_frames.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::gpu_radiance_cache_test {
 namespace {

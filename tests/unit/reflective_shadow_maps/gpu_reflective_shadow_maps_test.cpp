@@ -11,6 +11,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/transport/emission_sampling.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::gpu_reflective_shadow_maps_test {
 namespace {

@@ -11,7 +11,7 @@
 #include "protocol/error.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/hard_case_answers.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/statistics.h"
 
 namespace photond::hard_cases_test {

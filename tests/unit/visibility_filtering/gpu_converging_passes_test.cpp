@@ -5,6 +5,7 @@
 #include "renderer/methods/visibility_filtering/visibility_filtering_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::gpu_converging_passes_test {
 namespace {

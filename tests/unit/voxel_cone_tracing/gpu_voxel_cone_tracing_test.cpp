@@ -7,6 +7,7 @@
 #include "renderer/methods/voxel_cone_tracing/voxel_cone_tracing_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/open_scene.h"
+#include "tests/support/path_render.h"
 
 namespace photond::gpu_voxel_cone_tracing_test {
 namespace {

@@ -12,7 +12,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "server/worker/scene_cache.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/test_gltf.h"
 

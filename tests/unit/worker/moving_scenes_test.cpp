@@ -15,7 +15,7 @@
 #include "server/worker/scene_cache.h"
 #include "tests/support/animated_gltf.h"
 #include "tests/support/gltf_equations.h"
-#include "tests/support/render.h"
+#include "tests/support/path_render.h"
 
 namespace photond::moving_scenes_test {
 namespace {
