@@ -11,7 +11,7 @@
 
 import { appendFileSync, readdirSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { after, test } from "node:test";
+import { test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { closeBrowser } from "./browser.mjs";
@@ -45,6 +45,13 @@ const costs = {
 
 if (process.argv.includes("--list")) console.log(all.join("\n"));
 else {
-  for (const name of chosen()) test(name, (context) => suiteOf(name).run(pathToFileURL(join(here, name + kEnd)), context, costs));
-  after(closeBrowser);
+  const names = chosen();
+  for (const name of names)
+    test(name, async (context) => {
+      try {
+        await suiteOf(name).run(pathToFileURL(join(here, name + kEnd)), context, costs);
+      } finally {
+        if (name === names.at(-1)) await closeBrowser();
+      }
+    });
 }

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 
-import { smallJob, startDaemon, suiteOf, test } from "./support.mjs";
+import { openPage, smallJob, startDaemon, suiteOf, test, until } from "./support.mjs";
 
 test("who waits for a daemon that dies says that it died, and the end of its log", async () => {
   const failures = {};
@@ -12,8 +12,14 @@ test("who waits for a daemon that dies says that it died, and the end of its log
   for (const said of Object.values(failures)) assert.match(said, /^the daemon died: SIGKILL; the end of its log:\n.*\S/);
 });
 
+const daemon = await startDaemon();
+
+test("who looks again and again at a page that is gone is told so", async () => {
+  const page = await openPage(daemon, "/jobs");
+  await Promise.all([assert.rejects(until(async () => assert.equal(await page.locator(".never").count(), 1)), /has been closed/), page.close()]);
+});
+
 test("who waits for a job to run is told that it is over", async () => {
-  const daemon = await startDaemon();
   const { id } = await daemon.run(smallJob());
   await assert.rejects(daemon.running(id), /succeeded/);
 });
