@@ -151,11 +151,11 @@ def methods(root):
 def known_entries(root):
     """The names of ctest's entries, as tests/CMakeLists.txt makes them of files."""
     tests = root / "tests"
-    found = {"dashboard.packages", "dashboard.logic", "dashboard.types"}
+    found = {"dashboard.packages", "dashboard.browser", "dashboard.logic", "dashboard.types"}
     for label in ("unit", "statistical"):
         for file in (tests / label).glob("*/*_test.cpp"):
             gpu = "gpu_" if file.name.startswith("gpu_") else ""
             found.add(f"{label}.{gpu}{file.parent.name}")
     for label in ("unit", "service", "hard_cases"):
         found |= {f"{label}.{file.stem}" for file in (tests / label).glob("*_test.py")}
-    return found | {f"dashboard.{file.name.removesuffix('.test.mjs')}" for file in (tests / "dashboard").glob("*.test.mjs")}
+    return found
