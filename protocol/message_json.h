@@ -61,7 +61,9 @@ public:
     }
     template <class Value>
     void visit_value(std::optional<Value>& value) {
-        visit_value(value ? *value : value.emplace());
+        // Not emplace(): clang does not take a nested struct with default members for constructible there.
+        if (!value) value = Value{};
+        visit_value(*value);
     }
     template <class Element>
     void visit_value(std::vector<Element>& list) {
