@@ -12,7 +12,7 @@ import unittest
 from photonctl_case import FAILED, USAGE, Case, cli, json_lines
 
 # The short form with fewer photons and seeds than its own: what must never happen does not wait for more of them.
-QUICK = ["--short", "--photons", "1000", "--seeds", "3"]
+QUICK = ["--short", "--photons", "1000", "--seeds", "2"]
 FIGURES = ("bias", "standard_error", "half_width")
 
 

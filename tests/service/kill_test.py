@@ -26,11 +26,11 @@ CLIENTS = 2
 # Clients are paced by kills, not by the clock, so that a slow machine does the same work as a fast one.
 KILLS_PER_JOB = 4          # of one client
 KILLS_PER_COMPARISON = 10
-PASSES = 300
+PASSES = 200
 SIZE = 32
 COMPARISON = {
     "scene": "cornell-box", "image": {"width": SIZE, "height": SIZE},
-    "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 300}},
+    "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 200}},
     "entries": [{"label": "deep", "method": {"name": "path_tracing"}},
                 {"label": "shallow", "method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": [1, 2]}}],
     "stop": {"passes": PASSES}, "metrics": ["relative_mse", "rmse"], "seeds": [1, 2],

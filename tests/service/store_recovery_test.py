@@ -17,7 +17,7 @@ from film_versions import as_version, passes_of
 from photond_daemon import BIN, Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
-LONGER = {"size": 64, "passes": 600}  # about a second, in which SAVES saves often
+LONGER = {"size": 64, "passes": 400}  # most of a second, in which SAVES saves often
 SAVES = ("--save-seconds", 0.05)
 
 
