@@ -96,6 +96,7 @@ PublishedStages frame_stages(std::string_view text, std::vector<std::string_view
 PresetComparison table_1(const ThesisRow& row) {
     PresetComparison comparison = on_scene_of(row);
     const std::string thesis = kIspm + kIspmThesis + photons_of(row) + setting("subsampling", row.subsampling);
+    const auto texels = row.photons / 2;  // a whole number of them
     const std::string samples = ",soft_shadow=gather" + setting("shadow_blur_samples", row.blur_samples);
     comparison.seconds = 10;
     comparison.reference = "path_tracing,indirect_bounces=" + std::to_string(row.bounces);
@@ -105,7 +106,7 @@ PresetComparison table_1(const ThesisRow& row) {
         "hard=" + thesis + ",soft_shadow=none",
         "soft in three steps=" + thesis + samples + ",one_pass=false",
         "soft by tiles=" + thesis + samples + ",scatter=tiles",
-        "soft with a bounce map=" + thesis + samples + setting("bounce_map_texels", row.photons / 2),
+        "soft with a bounce map=" + thesis + samples + setting("bounce_map_texels", texels),
         "ours=" + kIspm + setting("bounces", row.bounces),
         "path tracing=path_tracing,indirect_bounces=" + std::to_string(row.bounces),
     };

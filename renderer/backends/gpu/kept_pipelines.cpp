@@ -10,7 +10,7 @@ SharedPipeline KeptPipelines::get(const std::string& key, const std::function<Vk
         return kept_.front().pipeline;
     }
     const Device& device = device_;
-    const SharedPipeline pipeline(
+    SharedPipeline pipeline(
         compile(), [&device](VkPipeline handle) { device.vk().vkDestroyPipeline(device.handle(), handle, nullptr); });
     kept_.push_front({key, pipeline});
     by_key_.emplace(key, kept_.begin());
