@@ -30,6 +30,7 @@ public:
 
     /// Said before begin(): the frame of an animation that comes before this one, and what it left. Throws
     /// ErrorCode::Conflict where that is not of this method, or of another image.
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): overriders keep it
     virtual void follow(FrameBefore before) {
         if (!before.left.empty()) throw Error(ErrorCode::Conflict, "the method's frames stand alone");
     }
