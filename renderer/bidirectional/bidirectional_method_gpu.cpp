@@ -45,15 +45,9 @@ struct BidirectionalMethodGpu::State {
             make_eye_constants(render.view, params.max_scatterings(), params.roulette_start);
         gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
         const gpu::DeviceScene& scene = *render.device_scene;
-        const DeviceImage& image = frame.image();
-        std::vector<gpu::Specialization> fixed = eye_specialization(image);
-        fixed.insert(
-            fixed.end(),
-            {image.plane(PLANE_CONNECTIONS_ID, Layer::Connections), image.plane(PLANE_MERGES_ID, Layer::Merges),
-             image.plane(PLANE_LIGHT_IMAGE_ID, Layer::LightImage), image.plane(PLANE_TECHNIQUES_ID, Layer::Techniques),
-             gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power),
-             gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
-        const std::vector<gpu::Specialization> all = scene.specialization(fixed);
+        const std::vector<gpu::Specialization> all =
+            scene.specialization(std::vector{gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power),
+                                             gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
         if (plan.techniques.light_paths == 0) {
             // Nothing is joined, and paths from the eye need no weights but light samples' own: path tracing.
             eye_alone.emplace(scene, tiles_a_piece, all);

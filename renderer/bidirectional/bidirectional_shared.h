@@ -23,12 +23,6 @@
 // Elements of a SequenceSampler's run, whose paths the CPU traces together: SequenceSampler::kRun.
 #define LIGHT_RUN_BITS 10
 
-// Specialisation constants.
-#define PLANE_CONNECTIONS_ID 77  // of the layers
-#define PLANE_MERGES_ID 78
-#define PLANE_LIGHT_IMAGE_ID 79
-#define PLANE_TECHNIQUES_ID 80
-
 #ifdef __cplusplus
 namespace photond::gpu {
 #endif

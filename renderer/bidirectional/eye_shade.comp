@@ -23,7 +23,7 @@ void main() {
         weights = path_weights[place];
     const Ray arrived = ray;
     PathLight light = no_light();
-    if (layer_kept(PLANE_ALBEDO)) light.albedo = load_rgb(PLANE_ALBEDO, path.pixel);
+    if (layer_kept(LAYER_ALBEDO)) light.albedo = load_rgb(LAYER_ALBEDO, path.pixel);
     PendingLight pending;
     JoinVertex at;
     bool joins_others;

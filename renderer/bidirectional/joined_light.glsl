@@ -8,10 +8,6 @@
 #include "renderer/bidirectional/bidirectional_shared.h"
 #include "renderer/eye/eye_contributions.glsl"
 
-layout(constant_id = PLANE_CONNECTIONS_ID) const uint PLANE_CONNECTIONS = NO_PLANE;
-layout(constant_id = PLANE_MERGES_ID) const uint PLANE_MERGES = NO_PLANE;
-layout(constant_id = PLANE_LIGHT_IMAGE_ID) const uint PLANE_LIGHT_IMAGE = NO_PLANE;
-
 // Join.
 #define JOIN_LIGHT_SAMPLE 0u
 #define JOIN_CONNECTION 1u
@@ -41,12 +37,12 @@ void add_joined(inout JoinedLight light, uint scatterings, bool caustic, uint jo
 
 /// Adds it to the pixel's layers.
 void store_joined_light(uint pixel, JoinedLight light) {
-    add_rgb(PLANE_DIRECT, pixel, light.direct);
-    add_rgb(PLANE_INDIRECT, pixel, light.indirect);
-    if (layer_kept(PLANE_CAUSTIC)) add_rgb(PLANE_CAUSTIC, pixel, light.caustic);
-    if (layer_kept(PLANE_CONNECTIONS)) add_rgb(PLANE_CONNECTIONS, pixel, light.connections);
-    if (layer_kept(PLANE_MERGES)) add_rgb(PLANE_MERGES, pixel, light.merges);
-    if (layer_kept(PLANE_LIGHT_IMAGE)) add_rgb(PLANE_LIGHT_IMAGE, pixel, light.light_image);
+    add_rgb(LAYER_DIRECT, pixel, light.direct);
+    add_rgb(LAYER_INDIRECT, pixel, light.indirect);
+    if (layer_kept(LAYER_CAUSTIC)) add_rgb(LAYER_CAUSTIC, pixel, light.caustic);
+    if (layer_kept(LAYER_CONNECTIONS)) add_rgb(LAYER_CONNECTIONS, pixel, light.connections);
+    if (layer_kept(LAYER_MERGES)) add_rgb(LAYER_MERGES, pixel, light.merges);
+    if (layer_kept(LAYER_LIGHT_IMAGE)) add_rgb(LAYER_LIGHT_IMAGE, pixel, light.light_image);
 }
 
 #endif

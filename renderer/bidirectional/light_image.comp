@@ -16,8 +16,6 @@ layout(set = 0, binding = 3, scalar) readonly buffer Order { uint order[]; };
 layout(set = 0, binding = 4, std430) readonly buffer SplatPlaces { uvec4 splat_places[]; };  // film [pixels]
 layout(set = 0, binding = 5, scalar) readonly buffer Splats { LightSplatRecord splats[]; };
 
-layout(constant_id = PLANE_TECHNIQUES_ID) const uint PLANE_TECHNIQUES = NO_PLANE;
-
 const float kBinWidth = 2.0 * FILTER_RADIUS / float(FILTER_BINS);
 
 /// PixelFilterSampler::drawn_density().
@@ -53,5 +51,5 @@ void main() {
         }
     }
     store_joined_light(pixel, light);
-    if (layer_kept(PLANE_TECHNIQUES)) add_rgb(PLANE_TECHNIQUES, pixel, push.techniques);
+    if (layer_kept(LAYER_TECHNIQUES)) add_rgb(LAYER_TECHNIQUES, pixel, push.techniques);
 }

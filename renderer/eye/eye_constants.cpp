@@ -29,14 +29,4 @@ gpu::EyeConstants make_eye_constants(const View& view, uint32_t max_scatterings,
     return eye;
 }
 
-std::vector<gpu::Specialization> eye_specialization(const DeviceImage& image) {
-    std::vector<gpu::Specialization> constants = image.specialization();
-    constants.insert(
-        constants.end(),
-        {image.plane(PLANE_CAUSTIC_ID, Layer::Caustic), image.plane(PLANE_ALBEDO_ID, Layer::Albedo),
-         image.plane(PLANE_NORMAL_ID, Layer::Normal), image.plane(PLANE_POSITION_ID, Layer::Position),
-         image.plane(PLANE_DEPTH_ID, Layer::Depth), image.plane(PLANE_GEOMETRIC_NORMAL_ID, Layer::GeometricNormal)});
-    return constants;
-}
-
 }  // namespace photond

@@ -1,10 +1,9 @@
 #pragma once
-// The eye on the device: its tiles, its buffer's contents, and the constants of the shaders that follow paths from it.
+// The eye on the device: its tiles, and its buffer's contents.
 
 #include <algorithm>
 
 #include "renderer/eye/eye_shared.h"
-#include "renderer/frame/device_image.h"
 #include "renderer/frame/render_context.h"
 
 namespace photond {
@@ -22,8 +21,5 @@ constexpr uint32_t eye_tiles_at_once(uint32_t tiles, uint32_t paths) {
 
 /// `roulette_start`: surface interactions after which Russian roulette may end a path.
 gpu::EyeConstants make_eye_constants(const View& view, uint32_t max_scatterings, uint32_t roulette_start);
-
-/// Where such shaders put what they find (eye_contributions.glsl).
-std::vector<gpu::Specialization> eye_specialization(const DeviceImage& image);
 
 }  // namespace photond

@@ -10,13 +10,6 @@
 #include "renderer/transport/light_sampling.glsl"
 #include "renderer/transport/mis.glsl"
 
-layout(constant_id = PLANE_CAUSTIC_ID) const uint PLANE_CAUSTIC = NO_PLANE;
-layout(constant_id = PLANE_ALBEDO_ID) const uint PLANE_ALBEDO = NO_PLANE;
-layout(constant_id = PLANE_NORMAL_ID) const uint PLANE_NORMAL = NO_PLANE;
-layout(constant_id = PLANE_POSITION_ID) const uint PLANE_POSITION = NO_PLANE;
-layout(constant_id = PLANE_DEPTH_ID) const uint PLANE_DEPTH = NO_PLANE;
-layout(constant_id = PLANE_GEOMETRIC_NORMAL_ID) const uint PLANE_GEOMETRIC_NORMAL = NO_PLANE;
-
 /// What one path brings to its pixel.
 struct PathLight {
     vec3 emitted, direct, indirect, caustic;
@@ -32,7 +25,7 @@ void add_radiance(inout PathLight light, EyePath path, vec3 radiance) {
         light.direct += radiance;
     } else {
         light.indirect += radiance;
-        if (path.caustic && layer_kept(PLANE_CAUSTIC)) light.caustic += radiance;
+        if (path.caustic && layer_kept(LAYER_CAUSTIC)) light.caustic += radiance;
     }
 }
 
@@ -57,21 +50,21 @@ void add_emission(inout PathLight light, EyePath path, Hit hit, bool front, vec3
 
 /// Normals, position and depth are those of the first surface met, mirrors included.
 void store_first_hit(uint pixel, vec3 position, vec3 shading_normal, vec3 geometric_normal) {
-    if (!layer_kept(PLANE_HIT)) return;
-    store_value(PLANE_HIT, pixel, 1.0);
-    if (layer_kept(PLANE_NORMAL)) store_rgb(PLANE_NORMAL, pixel, shading_normal);
-    if (layer_kept(PLANE_GEOMETRIC_NORMAL)) store_rgb(PLANE_GEOMETRIC_NORMAL, pixel, geometric_normal);
-    if (layer_kept(PLANE_POSITION)) store_rgb(PLANE_POSITION, pixel, position);
-    if (layer_kept(PLANE_DEPTH)) store_value(PLANE_DEPTH, pixel, dot(position - eye.camera.position, eye.camera.forward));
+    if (!layer_kept(LAYER_HITS)) return;
+    store_value(LAYER_HITS, pixel, 1.0);
+    if (layer_kept(LAYER_NORMAL)) store_rgb(LAYER_NORMAL, pixel, shading_normal);
+    if (layer_kept(LAYER_GEOMETRIC_NORMAL)) store_rgb(LAYER_GEOMETRIC_NORMAL, pixel, geometric_normal);
+    if (layer_kept(LAYER_POSITION)) store_rgb(LAYER_POSITION, pixel, position);
+    if (layer_kept(LAYER_DEPTH)) store_value(LAYER_DEPTH, pixel, dot(position - eye.camera.position, eye.camera.forward));
 }
 
 /// Adds what the path brought to its pixel's layers.
 void store_light(uint pixel, PathLight light) {
-    add_rgb(PLANE_EMITTED, pixel, light.emitted);
-    add_rgb(PLANE_DIRECT, pixel, light.direct);
-    add_rgb(PLANE_INDIRECT, pixel, light.indirect);
-    if (layer_kept(PLANE_CAUSTIC)) add_rgb(PLANE_CAUSTIC, pixel, light.caustic);
-    if (layer_kept(PLANE_ALBEDO)) store_rgb(PLANE_ALBEDO, pixel, light.albedo);
+    add_rgb(LAYER_EMITTED, pixel, light.emitted);
+    add_rgb(LAYER_DIRECT, pixel, light.direct);
+    add_rgb(LAYER_INDIRECT, pixel, light.indirect);
+    if (layer_kept(LAYER_CAUSTIC)) add_rgb(LAYER_CAUSTIC, pixel, light.caustic);
+    if (layer_kept(LAYER_ALBEDO)) store_rgb(LAYER_ALBEDO, pixel, light.albedo);
 }
 
 #endif

@@ -20,14 +20,6 @@
 // The numbers that the first four vertices have for those four sets, vertex after vertex.
 #define SETS_OF_FIRST_VERTICES 5, 2, 0, 8, 1, 7, 3, 12, 6, 11, 9, 15, 10, 16, 13, 17
 
-// Specialisation constants: the planes (frame/device_image_shared.h) of the layers that paths from the eye fill.
-#define PLANE_CAUSTIC_ID 32
-#define PLANE_ALBEDO_ID 33
-#define PLANE_NORMAL_ID 34
-#define PLANE_POSITION_ID 35
-#define PLANE_DEPTH_ID 36
-#define PLANE_GEOMETRIC_NORMAL_ID 69
-
 #include "renderer/scene/camera_shared.h"
 
 #ifdef __cplusplus

@@ -59,7 +59,7 @@ bool open_surface(inout EyePath path, Ray ray, inout PathLight light, inout EyeV
                          medium_stack_outside_ior(path.media, met.surface.material, !met.surface.front_side));
     met.wo = to_local(met.surface.shading, -ray.direction);
     // The first non-delta surface: a walk that reaches another one left this one by a delta lobe.
-    if (path.scatterings == 0 && layer_kept(PLANE_ALBEDO) && bsdf_has_non_delta(met.bsdf) && is_black(light.albedo))
+    if (path.scatterings == 0 && layer_kept(LAYER_ALBEDO) && bsdf_has_non_delta(met.bsdf) && is_black(light.albedo))
         light.albedo = bsdf_albedo(met.bsdf);
     path.position = met.surface.position;
     path.lit_normal = bsdf_has_non_delta_transmission(met.bsdf) ? vec3(0.0) : met.surface.shading.normal;

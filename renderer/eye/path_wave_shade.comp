@@ -13,7 +13,7 @@ void main() {
     EyePath path = unpack_path(state);
     Ray ray = ray_of(state);
     PathLight light = no_light();
-    if (layer_kept(PLANE_ALBEDO)) light.albedo = load_rgb(PLANE_ALBEDO, path.pixel);
+    if (layer_kept(LAYER_ALBEDO)) light.albedo = load_rgb(LAYER_ALBEDO, path.pixel);
     PendingLight pending;
     const bool goes_on = shade_path(push.vertex, state.key, path_hits[place], path, ray, light, pending);
     store_light(path.pixel, light);

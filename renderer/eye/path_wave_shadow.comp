@@ -11,5 +11,5 @@ void main() {
     const ShadowState shadow = path_shadows[i];
     count(COUNTER_SHADOW_RAYS, 1);
     if (occluded(Ray(shadow.origin, shadow.direction, shadow.t_max))) return;
-    add_rgb(shadow.indirect != 0 ? PLANE_INDIRECT : PLANE_DIRECT, shadow.pixel, shadow.radiance);
+    add_rgb(shadow.indirect != 0 ? LAYER_INDIRECT : LAYER_DIRECT, shadow.pixel, shadow.radiance);
 }

@@ -12,7 +12,7 @@ void main() {
     if (!queued_path(place)) return;
     const PathState state = path_states[place];
     PathLight light = no_light();
-    if (layer_kept(PLANE_ALBEDO)) light.albedo = load_rgb(PLANE_ALBEDO, state.pixel);
+    if (layer_kept(LAYER_ALBEDO)) light.albedo = load_rgb(LAYER_ALBEDO, state.pixel);
     uint vertex = push.vertex, shadow_rays = 0;
     follow_path(state.key, vertex, unpack_path(state), ray_of(state), light, shadow_rays);
     store_light(state.pixel, light);

@@ -8,26 +8,27 @@
 #include "renderer/backends/gpu/counters.glsl"
 #endif
 
-layout(constant_id = PLANE_HIT_ID) const uint PLANE_HIT = NO_PLANE;
-layout(constant_id = PLANES_ID) const uint PLANES = 1;
+layout(set = 0, binding = IMAGE_BINDING, scalar) buffer DeviceLayers { uint device_layers[]; };
 
-layout(set = 0, binding = IMAGE_BINDING, scalar) buffer DeviceLayers { float device_layers[]; };
+bool layer_kept(uint layer) { return device_layers[layer] != 0u; }
 
-// Not a constant: a pipeline is compiled once for images of all sizes.
-uint film_pixels() { return uint(device_layers.length()) / PLANES; }
+// Of a layer that is kept; emitted, direct and indirect always are.
+uint rgb_place(uint layer, uint pixel) { return device_layers[layer] + 3 * pixel; }
+uint value_place(uint layer, uint pixel) { return device_layers[layer] + pixel; }
 
-bool layer_kept(uint plane) { return plane != NO_PLANE; }
-
-vec3 load_rgb(uint plane, uint pixel) {
-    const uint i = plane * film_pixels() + 3 * pixel;
-    return vec3(device_layers[i], device_layers[i + 1], device_layers[i + 2]);
+vec3 load_rgb(uint layer, uint pixel) {
+    const uint i = rgb_place(layer, pixel);
+    return uintBitsToFloat(uvec3(device_layers[i], device_layers[i + 1], device_layers[i + 2]));
 }
-void store_rgb(uint plane, uint pixel, vec3 value) {
-    const uint i = plane * film_pixels() + 3 * pixel;
-    device_layers[i] = value.x, device_layers[i + 1] = value.y, device_layers[i + 2] = value.z;
+void store_rgb(uint layer, uint pixel, vec3 value) {
+    const uint i = rgb_place(layer, pixel);
+    const uvec3 words = floatBitsToUint(value);
+    device_layers[i] = words.x, device_layers[i + 1] = words.y, device_layers[i + 2] = words.z;
 }
-void add_rgb(uint plane, uint pixel, vec3 value) { store_rgb(plane, pixel, load_rgb(plane, pixel) + value); }
-void store_value(uint plane, uint pixel, float value) { device_layers[plane * film_pixels() + pixel] = value; }
-float load_value(uint plane, uint pixel) { return device_layers[plane * film_pixels() + pixel]; }
+void add_rgb(uint layer, uint pixel, vec3 value) { store_rgb(layer, pixel, load_rgb(layer, pixel) + value); }
+void store_value(uint layer, uint pixel, float value) {
+    device_layers[value_place(layer, pixel)] = floatBitsToUint(value);
+}
+float load_value(uint layer, uint pixel) { return uintBitsToFloat(device_layers[value_place(layer, pixel)]); }
 
 #endif

@@ -1,7 +1,7 @@
 #pragma once
 // What one pass makes on the device: its layers and what it counted, and their way to the host.
 
-#include <vector>
+#include <array>
 
 #include "renderer/backends/gpu/counters.h"
 #include "renderer/film/film.h"
@@ -18,10 +18,7 @@ public:
     static uint64_t device_bytes(Size2 size, LayerSet layers);
     static uint64_t host_bytes(Size2 size, LayerSet layers) { return device_bytes(size, layers); }
 
-    /// What all shaders that include device_image.glsl ask for.
-    std::vector<gpu::Specialization> specialization() const;
-    /// Where a layer is, for the shaders that fill it: their constant of that id.
-    gpu::Specialization plane(uint32_t id, Layer layer) const;
+    /// What shaders call `device_layers` (device_image.glsl).
     gpu::Buffer& layers() { return layers_; }
     gpu::Buffer& counters() { return counters_.buffer(); }
 
@@ -33,13 +30,13 @@ public:
     void read(PassImage& image, Counts& counts, const dvec3& origin) const;
 
 private:
-    /// The plane it begins with; NO_PLANE where it is not kept.
-    uint32_t plane_of(Layer layer) const;
-    uint32_t hit_plane() const;
+    /// Numbers of words, by layer and LAYER_HITS (device_image_shared.h).
+    using Places = std::array<uint32_t, LAYER_PLACES>;
+    static Places places_of(Size2 size, LayerSet kept);
     static uint32_t planes(LayerSet layers);
 
     Size2 size_;
-    LayerSet kept_;
+    Places places_{};
     gpu::Buffer layers_;
     gpu::Counters counters_;
     gpu::Buffer host_layers_;

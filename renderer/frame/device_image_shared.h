@@ -1,17 +1,13 @@
-// The layers of a pass on the device: planes of one float buffer, each as large as the film, channel beside channel.
-// For both compilers.
+// The layers of a pass on the device: one buffer of words, which begins with where each layer lies. For both compilers.
 #ifndef PHOTOND_DEVICE_IMAGE_SHARED_H
 #define PHOTOND_DEVICE_IMAGE_SHARED_H
 
-// Specialisation constants: how many planes there are, and the one that tells whether a surface was met. Who fills a
-// layer has a constant for its first plane (three for colours and vectors): DeviceImage::plane(). NO_PLANE: not kept.
-#define PLANE_HIT_ID 39
-#define PLANES_ID 40
-#define NO_PLANE 0xffffffffu
+#include "renderer/film/layers_shared.h"
 
-// Emitted, direct and indirect are always there, in this order.
-#define PLANE_EMITTED 0
-#define PLANE_DIRECT 3
-#define PLANE_INDIRECT 6
+// A layer that is kept is a plane of floats, as large as the film, for each of its channels; those of colours and
+// vectors lie side by side. The word of a layer's number is the number of the plane's first word; 0: the layer is not
+// kept. So a pipeline is compiled once for images of all sizes and of all choices of layers.
+#define LAYER_HITS LAYER_COUNT  // no layer of the image: 1 where a surface was met, else 0
+#define LAYER_PLACES (LAYER_COUNT + 1)
 
 #endif

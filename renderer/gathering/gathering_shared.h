@@ -9,7 +9,6 @@
 #define SPLIT_PREPARED_SETS 18   // sample_set() of the first four vertices is below
 
 // Specialisation constants.
-#define PLANE_PHOTON_COUNT_ID 37  // of the layer
 #define FINAL_GATHER_ID 44
 #define GLOBAL_MAP_ID 45  // whether there is one
 #define CAUSTIC_MAP_ID 46

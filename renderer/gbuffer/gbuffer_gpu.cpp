@@ -35,8 +35,7 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       general_(device_, "g_buffer",
                (scene.scene().needs.only_lambert() ? 1 : uint64_t{layout_.points()}) * sizeof(gpu::GBufferGeneral)),
       sums_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(vec3)),
-      pipeline_(device_, walk_shader(shadows), sizeof(gpu::GBufferWalkPush), &scene.set(),
-                scene.specialization(eye_specialization(image))) {
+      pipeline_(device_, walk_shader(shadows), sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization()) {
     const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, ROULETTE_START);
     gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
     // Padding holds no points: the walk never comes there.

@@ -9,5 +9,5 @@ void main() {
     uint pixel;
     if (!pixel_of_thread(pixel)) return;
     const uint index = split_point_of(split, pixel % split.width, pixel / split.width);
-    if (points[index].kind != 0u) add_rgb(PLANE_INDIRECT, pixel, points[index].weight * sums[index]);
+    if (points[index].kind != 0u) add_rgb(LAYER_INDIRECT, pixel, points[index].weight * sums[index]);
 }

@@ -6,13 +6,6 @@ namespace {
 
 bool filters(const gpu::GeometryFilter& filter) { return filter.width > 1; }
 
-std::vector<gpu::Specialization> split_specialization(const DeviceImage& image) {
-    std::vector<gpu::Specialization> constants = image.specialization();
-    constants.push_back(image.plane(PLANE_SPLIT_NORMAL_ID, Layer::SplitNormal));
-    constants.push_back(image.plane(PLANE_SPLIT_INDIRECT_ID, Layer::SplitIndirect));
-    return constants;
-}
-
 }  // namespace
 
 GBufferMergeGpu::GBufferMergeGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, DeviceImage& image, LayerSet layers,
@@ -20,15 +13,13 @@ GBufferMergeGpu::GBufferMergeGpu(const gpu::DeviceScene& scene, GBufferGpu& buff
     : buffer_(buffer),
       image_(image),
       filter_settings_(filter),
-      merge_(scene.device(), "renderer/gbuffer/gbuffer_merge.comp", sizeof(gpu::SplitRecord), nullptr,
-             image.specialization()) {
+      merge_(scene.device(), "renderer/gbuffer/gbuffer_merge.comp", sizeof(gpu::SplitRecord)) {
     if (filters(filter)) {
         filtered_ = gpu::Buffer(scene.device(), "g_buffer", uint64_t{buffer.layout().points()} * sizeof(vec3));
         filter_.emplace(scene.device(), "renderer/gbuffer/gbuffer_filter.comp", sizeof(gpu::GBufferFilterPush));
     }
     if (layers.has(Layer::SplitNormal) || layers.has(Layer::SplitIndirect))
-        split_layers_.emplace(scene.device(), "renderer/gbuffer/gbuffer_split_layers.comp", sizeof(gpu::SplitRecord),
-                              nullptr, split_specialization(image));
+        split_layers_.emplace(scene.device(), "renderer/gbuffer/gbuffer_split_layers.comp", sizeof(gpu::SplitRecord));
 }
 
 uint64_t GBufferMergeGpu::device_bytes(Size2 size, uint32_t split_side, const gpu::GeometryFilter& filter) {

@@ -5,13 +5,10 @@
 
 #include "renderer/gbuffer/gbuffer_pixels.glsl"
 
-layout(constant_id = PLANE_SPLIT_NORMAL_ID) const uint PLANE_SPLIT_NORMAL = NO_PLANE;
-layout(constant_id = PLANE_SPLIT_INDIRECT_ID) const uint PLANE_SPLIT_INDIRECT = NO_PLANE;
-
 void main() {
     uint pixel;
     if (!pixel_of_thread(pixel)) return;
     const uint index = split_point_shown_at(split, pixel % split.width, pixel / split.width);
-    if (layer_kept(PLANE_SPLIT_NORMAL)) store_rgb(PLANE_SPLIT_NORMAL, pixel, points[index].normal);
-    if (layer_kept(PLANE_SPLIT_INDIRECT)) store_rgb(PLANE_SPLIT_INDIRECT, pixel, sums[index]);
+    if (layer_kept(LAYER_SPLIT_NORMAL)) store_rgb(LAYER_SPLIT_NORMAL, pixel, points[index].normal);
+    if (layer_kept(LAYER_SPLIT_INDIRECT)) store_rgb(LAYER_SPLIT_INDIRECT, pixel, sums[index]);
 }

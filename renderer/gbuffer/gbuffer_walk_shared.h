@@ -6,10 +6,6 @@
 #include "renderer/gbuffer/geometry_filter_shared.h"
 #include "renderer/gbuffer/split_shared.h"
 
-// Specialisation constants: the planes (frame/device_image_shared.h) of the layers that show the buffer as it is split.
-#define PLANE_SPLIT_NORMAL_ID 73
-#define PLANE_SPLIT_INDIRECT_ID 74
-
 #ifdef __cplusplus
 namespace photond::gpu {
 #endif

@@ -4,7 +4,6 @@
 
 // Specialisation constants.
 #define UPSAMPLING_ID 82
-#define PLANE_UPSAMPLING_WEIGHT_ID 87  // the layer, for who shows it
 
 #define UPSAMPLING_NEAREST 0u  // Upsampling
 #define UPSAMPLING_BILINEAR 1u

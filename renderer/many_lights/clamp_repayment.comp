@@ -18,7 +18,6 @@
 #include "renderer/many_lights/clamp_repayment.glsl"
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
 
-layout(constant_id = PLANE_CLAMPED_ID) const uint PLANE_CLAMPED = NO_PLANE;
 layout(constant_id = CLAMP_IS_ASKED_ID) const bool CLAMP_IS_ASKED = true;
 layout(constant_id = CLAMP_IS_REPAID_ID) const bool CLAMP_IS_REPAID = true;
 layout(constant_id = NARROW_IS_ASKED_ID) const bool NARROW_IS_ASKED = true;
@@ -44,7 +43,7 @@ void main() {
                 clamped, of_general, RepaymentSettings(CLAMP_IS_ASKED, NARROW_IS_ASKED, constants.glossy_threshold,
                                                        constants.connect_threshold));
             sums[index] += (CLAMP_IS_REPAID ? left_out.clamped : vec3(0.0)) + left_out.narrow;
-            if (layer_kept(PLANE_CLAMPED)) store_rgb(PLANE_CLAMPED, point.pixel, point.weight * left_out.clamped);
+            if (layer_kept(LAYER_CLAMPED)) store_rgb(LAYER_CLAMPED, point.pixel, point.weight * left_out.clamped);
         }
         count(COUNTER_BOUNCE_RAYS, repayment_bounce_rays);
         count(COUNTER_SHADOW_RAYS, repayment_shadow_rays);

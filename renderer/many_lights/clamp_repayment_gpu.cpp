@@ -8,16 +8,12 @@ namespace photond {
 
 namespace {
 
-std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const DeviceImage& image,
-                                              const RepaymentAsks& asks, bool caustics) {
-    std::vector<gpu::Specialization> own = image.specialization();
-    own.push_back(image.plane(PLANE_CLAMPED_ID, Layer::Clamped));
-    own.push_back(gpu::specialize(CLAMP_IS_ASKED_ID, asks.clamped));
-    own.push_back(gpu::specialize(CLAMP_IS_REPAID_ID, asks.clamped && asks.repaid));
-    own.push_back(gpu::specialize(NARROW_IS_ASKED_ID, asks.narrow));
-    own.push_back(gpu::specialize(CAUSTICS_ARE_PHOTONS_ID, caustics));
-    own.push_back(gpu::specialize(SEARCH_NEAREST_ID, false));
-    return scene.specialization(own);
+std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const RepaymentAsks& asks, bool caustics) {
+    return scene.specialization(std::vector{gpu::specialize(CLAMP_IS_ASKED_ID, asks.clamped),
+                                            gpu::specialize(CLAMP_IS_REPAID_ID, asks.clamped && asks.repaid),
+                                            gpu::specialize(NARROW_IS_ASKED_ID, asks.narrow),
+                                            gpu::specialize(CAUSTICS_ARE_PHOTONS_ID, caustics),
+                                            gpu::specialize(SEARCH_NEAREST_ID, false)});
 }
 
 }  // namespace
@@ -35,7 +31,7 @@ ClampRepaymentGpu::ClampRepaymentGpu(const gpu::DeviceScene& scene, GBufferGpu& 
       pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
       sampler_(scene.device(), "sampler", sizeof(gpu::PassSamplerData)),
       pipeline_(scene.device(), "renderer/many_lights/clamp_repayment.comp", sizeof(gpu::PointPush), &scene.set(),
-                constants_of(scene, image, asks, caustics != nullptr)) {}
+                constants_of(scene, asks, caustics != nullptr)) {}
 
 void ClampRepaymentGpu::record(gpu::CommandList& commands, gpu::Buffer& constants, uint32_t pass, uint32_t piece) {
     if (piece == 0)

@@ -19,7 +19,6 @@
 #define CLAMP_IS_ASKED_ID 49        // it is looked for
 #define NARROW_IS_ASKED_ID 50       // and what narrow lobes send
 #define CAUSTICS_ARE_PHOTONS_ID 51  // lights do not count behind specular scatterings
-#define PLANE_CLAMPED_ID 70         // of the layer
 
 // What shaders that ask for V bind it at, after all else (vpl_visibility_*.glsl).
 #define VPL_VISIBILITY_BINDING 24

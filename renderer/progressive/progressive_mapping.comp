@@ -33,9 +33,6 @@ layout(set = 0, binding = 4, scalar) readonly buffer Constants { ProgressiveCons
 
 layout(constant_id = GLOBAL_MAP_ID) const bool GLOBAL_MAP = true;
 layout(constant_id = CAUSTIC_MAP_ID) const bool CAUSTIC_MAP = true;
-layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
-layout(constant_id = PLANE_RADIUS_ID) const uint PLANE_RADIUS = NO_PLANE;
-layout(constant_id = PLANE_BIAS_ESTIMATE_ID) const uint PLANE_BIAS_ESTIMATE = NO_PLANE;
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { ProgressivePush push; };
@@ -70,7 +67,7 @@ void look_up(WalkVertex met, uint pixel, uint turn, inout PathLight light, inout
         const RadianceEstimate found = estimate_radiance(kind, met.surface, met.rough, met.wo, most, query);
         if (POINTS_HAVE_RADII) gather_point(kind, found.scattered);
         light.indirect += met.throughput * found.radiance;
-        if (layer_kept(PLANE_CAUSTIC) && kind == PHOTON_MAP_CAUSTIC && met.scatterings == 0)
+        if (layer_kept(LAYER_CAUSTIC) && kind == PHOTON_MAP_CAUSTIC && met.scatterings == 0)
             light.caustic += met.throughput * found.delta_radiance;
         shown.photons += found.photons;
         shown.radius_m = max(shown.radius_m, query.radius_m);
@@ -100,9 +97,9 @@ void main() {
         for (uint kind = PHOTON_MAP_GLOBAL; kind <= PHOTON_MAP_CAUSTIC; ++kind)
             if (has_map(kind)) store_point(kind, pixel);
     store_light(pixel, light);
-    if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, pixel, float(shown.photons));
-    if (layer_kept(PLANE_RADIUS)) store_value(PLANE_RADIUS, pixel, shown.radius_m);
-    if (layer_kept(PLANE_BIAS_ESTIMATE)) store_value(PLANE_BIAS_ESTIMATE, pixel, shown.bias);
+    if (layer_kept(LAYER_PHOTON_COUNT)) store_value(LAYER_PHOTON_COUNT, pixel, float(shown.photons));
+    if (layer_kept(LAYER_RADIUS)) store_value(LAYER_RADIUS, pixel, shown.radius_m);
+    if (layer_kept(LAYER_BIAS_ESTIMATE)) store_value(LAYER_BIAS_ESTIMATE, pixel, shown.bias);
     count(COUNTER_CAMERA_RAYS, 1);
     count(COUNTER_BOUNCE_RAYS, vertices - 1);
     count(COUNTER_SHADOW_RAYS, shadow_rays);

@@ -209,18 +209,15 @@ void ProgressiveMappingGpu::State::make_room() {
 }
 
 void ProgressiveMappingGpu::State::make_pipeline() {
-    std::vector<gpu::Specialization> fixed = eye_specialization(frame.image());
     const LayerSet& layers = context.view.layers;
-    fixed.insert(
-        fixed.end(),
-        {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
-         frame.image().plane(PLANE_RADIUS_ID, Layer::Radius),
-         frame.image().plane(PLANE_BIAS_ESTIMATE_ID, Layer::BiasEstimate), gpu::specialize(SEARCH_NEAREST_ID, false),
-         gpu::specialize(SOFT_DISC_ID, false), gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
-         gpu::specialize(DISC_MOMENTS_ID, layers.has(Layer::BiasEstimate) || params.radius_rule == RadiusRule::Tested),
-         gpu::specialize(RADIUS_RULE_ID, rule_of(params)),
-         gpu::specialize(GLOBAL_MAP_ID, wanted(PhotonMapKind::Global)),
-         gpu::specialize(CAUSTIC_MAP_ID, wanted(PhotonMapKind::Caustic))});
+    const std::vector<gpu::Specialization> fixed{
+        gpu::specialize(SEARCH_NEAREST_ID, false),
+        gpu::specialize(SOFT_DISC_ID, false),
+        gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
+        gpu::specialize(DISC_MOMENTS_ID, layers.has(Layer::BiasEstimate) || params.radius_rule == RadiusRule::Tested),
+        gpu::specialize(RADIUS_RULE_ID, rule_of(params)),
+        gpu::specialize(GLOBAL_MAP_ID, wanted(PhotonMapKind::Global)),
+        gpu::specialize(CAUSTIC_MAP_ID, wanted(PhotonMapKind::Caustic))};
     eye_pass.emplace(device, "renderer/progressive/progressive_mapping.comp", sizeof(gpu::ProgressivePush),
                      &on_device.set(), on_device.specialization(fixed));
 }

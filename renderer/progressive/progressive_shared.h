@@ -6,10 +6,8 @@
 #include "renderer/progressive/point_radii_shared.h"
 #include "renderer/progressive/radius_map_shared.h"
 
-// Specialisation constants.
-#define RADIUS_RULE_ID 57   // RADIUS_RULE_*
-#define PLANE_RADIUS_ID 75  // of the layer
-#define PLANE_BIAS_ESTIMATE_ID 76
+// A specialisation constant.
+#define RADIUS_RULE_ID 57  // RADIUS_RULE_*
 
 #define RADIUS_RULE_GLOBAL 0  // RadiusRule; `tested` by its tests
 #define RADIUS_RULE_TRAINED 1

@@ -45,7 +45,7 @@ struct ImageBasedLightingGpu::State {
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           pipeline(device, "renderer/methods/image_based_lighting/image_based_lighting.comp",
                    sizeof(gpu::ImageBasedLightingPush), &context.device_scene->set(),
-                   context.device_scene->specialization(eye_specialization(frame.image()))) {
+                   context.device_scene->specialization()) {
         const gpu::EyeConstants of_view = make_eye_constants(context.view, kImageBasedScatterings, ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_view, 1)));
     }

@@ -6,24 +6,19 @@
 #include "renderer/backends/gpu/bvh.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/eye/eye_shared.h"
-#include "renderer/frame/device_image_shared.h"
 #include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/methods/image_space_photon_mapping/photon_combine_shared.h"
 #include "renderer/photons/photon_tracing_shared.h"
 #include "renderer/transport/surface.glsl"
 
-layout(constant_id = PLANE_BOUNCE_MAP_ID) const uint PLANE_BOUNCE_MAP = NO_PLANE;
-layout(constant_id = PLANES_ID) const uint PLANES = 1;
-
 layout(local_size_x = PHOTON_TRACING_GROUP) in;
 layout(push_constant, scalar) uniform Push { BounceMapLayerPush push; };
-layout(set = 0, binding = 0, scalar) buffer Layers { uint layer_words[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Eye { EyeConstants eye; };
 layout(set = 0, binding = 2, scalar) readonly buffer Points { GBufferPoint points[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer FirstHits { FirstHit first_hits[]; };
 #define SHOWN_POINTS points
 #include "renderer/gbuffer/shown_places.glsl"
-#define LAYER_WORDS layer_words
+#define IMAGE_BINDING 0
 #include "renderer/frame/count_in_layer.glsl"
 
 void main() {
@@ -35,5 +30,5 @@ void main() {
     uint pixel;
     const float kDepthShare = 0.01;
     if (pixel_that_shows(eye, push.split, make_shading_point(hit, from.ray_direction).position, kDepthShare, pixel))
-        count_in_layer(PLANE_BOUNCE_MAP, pixel);
+        count_in_layer(LAYER_BOUNCE_MAP, pixel);
 }

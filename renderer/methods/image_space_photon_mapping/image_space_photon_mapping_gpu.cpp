@@ -203,33 +203,24 @@ void ImageSpacePhotonMappingGpu::State::make_room() {
 }
 
 void ImageSpacePhotonMappingGpu::State::make_scatter_pipelines() {
-    std::vector<gpu::Specialization> fixed =
-        on_device.specialization(std::vector{gpu::specialize(FOOTPRINT_ID, static_cast<uint32_t>(params.footprint)),
-                                             gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
-                                             gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
-                                             gpu::specialize(SCATTER_DRAWS_ID, params.scatter == PhotonScatter::Raster),
-                                             frame.image().plane(PLANE_OVERLAP_ID, Layer::Overlap)});
-    for (const gpu::Specialization& of_image : frame.image().specialization()) fixed.push_back(of_image);
+    std::vector<gpu::Specialization> fixed = on_device.specialization(
+        std::vector{gpu::specialize(FOOTPRINT_ID, static_cast<uint32_t>(params.footprint)),
+                    gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
+                    gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
+                    gpu::specialize(SCATTER_DRAWS_ID, params.scatter == PhotonScatter::Raster)});
     bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
                     fixed);
-    if (shows_bounces && maps.has(map_of(PhotonMapKind::Global))) {
-        std::vector<gpu::Specialization> of_layer = on_device.specialization(frame.image().specialization());
-        of_layer.push_back(frame.image().plane(PLANE_BOUNCE_MAP_ID, Layer::BounceMap));
+    if (shows_bounces && maps.has(map_of(PhotonMapKind::Global)))
         show_bounces.emplace(device, scatter_shader("bounce_map_layer.comp"), sizeof(gpu::BounceMapLayerPush),
-                             &on_device.set(), of_layer);
-    }
+                             &on_device.set(), on_device.specialization());
     if (params.scatter == PhotonScatter::Raster) raster.emplace(on_device, points.layout(), params.footprint, fixed);
 }
 
 void ImageSpacePhotonMappingGpu::State::make_combine_pipelines() {
-    std::vector<gpu::Specialization> fixed = on_device.specialization(frame.image().specialization());
-    for (const auto& [plane, layer] : {std::pair{PLANE_SHADOW_DISTANCE_ID, Layer::ShadowDistance},
-                                       std::pair{PLANE_BLUR_RADIUS_ID, Layer::BlurRadius},
-                                       std::pair{PLANE_UPSAMPLING_WEIGHT_ID, Layer::UpsamplingWeight}})
-        fixed.push_back(frame.image().plane(plane, layer));
-    fixed.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
-    fixed.push_back(gpu::specialize(SOFT_SHADOW_ID, static_cast<uint32_t>(params.soft_shadow)));
+    const std::vector<gpu::Specialization> fixed = on_device.specialization(
+        std::vector{gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
+                    gpu::specialize(SOFT_SHADOW_ID, static_cast<uint32_t>(params.soft_shadow))});
     std::vector<std::pair<uint32_t, const char*>> steps;
     if (params.subsampling > 1) steps.emplace_back(COMBINE_UPSAMPLE, "upsample");
     if (centres) steps.emplace_back(COMBINE_SHADOW, "soft_shadows");
@@ -365,7 +356,7 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
 }
 
 void ImageSpacePhotonMappingGpu::State::record_bounce_map_layer(gpu::CommandList& commands) {
-    commands.bind(*show_bounces, {gpu::read_write("layer_words", frame.image().layers()),
+    commands.bind(*show_bounces, {gpu::read_write("device_layers", frame.image().layers()),
                                   gpu::read("eye", points.eye()), gpu::read("points", points.points()),
                                   gpu::read("first_hits", maps.tracer(map_of(PhotonMapKind::Global)).bounce_map())});
     commands.push(gpu::BounceMapLayerPush{points.split(), texels});

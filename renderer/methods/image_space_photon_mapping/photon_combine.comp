@@ -17,9 +17,6 @@
 #include "renderer/gbuffer/upsampling_shared.h"
 
 layout(constant_id = COMBINE_PARTS_ID) const uint PARTS = COMBINE_MERGE;
-layout(constant_id = PLANE_SHADOW_DISTANCE_ID) const uint PLANE_SHADOW_DISTANCE = NO_PLANE;
-layout(constant_id = PLANE_BLUR_RADIUS_ID) const uint PLANE_BLUR_RADIUS = NO_PLANE;
-layout(constant_id = PLANE_UPSAMPLING_WEIGHT_ID) const uint PLANE_UPSAMPLING_WEIGHT = NO_PLANE;
 
 layout(local_size_x = SCATTER_GROUP) in;
 layout(push_constant, scalar) uniform Push { ShadowSamples shadow_samples; };
@@ -43,7 +40,7 @@ bool upsampled(uint pixel, uint x, uint y, GBufferPoint point, out vec3 light) {
     if (!is_lit(point) || lights_itself(split, x, y, point, QUAD_HEIGHT * constants.radius_m)) return false;
     const SubSamples from = sub_samples_of(split, x, y, point, QUAD_HEIGHT * constants.radius_m);
     light = light_of_sub_samples(from);
-    if (layer_kept(PLANE_UPSAMPLING_WEIGHT)) store_value(PLANE_UPSAMPLING_WEIGHT, pixel, from.total);
+    if (layer_kept(LAYER_UPSAMPLING_WEIGHT)) store_value(LAYER_UPSAMPLING_WEIGHT, pixel, from.total);
     return true;
 }
 
@@ -51,9 +48,9 @@ void add_direct_light(uint pixel) {
     const UnshadowedLight light = unshadowed_lights[pixel];
     if (light.lamp == NO_LAMP) return;
     const SoftShadow shadow = soft_shadow(eye, pixel, light, shadow_samples, constants.turn);
-    add_rgb(PLANE_DIRECT, pixel, shadow.seen * light.radiance);
-    if (layer_kept(PLANE_SHADOW_DISTANCE)) store_value(PLANE_SHADOW_DISTANCE, pixel, shadow.occluder_m);
-    if (layer_kept(PLANE_BLUR_RADIUS)) store_value(PLANE_BLUR_RADIUS, pixel, shadow.blur_pixels);
+    add_rgb(LAYER_DIRECT, pixel, shadow.seen * light.radiance);
+    if (layer_kept(LAYER_SHADOW_DISTANCE)) store_value(LAYER_SHADOW_DISTANCE, pixel, shadow.occluder_m);
+    if (layer_kept(LAYER_BLUR_RADIUS)) store_value(LAYER_BLUR_RADIUS, pixel, shadow.blur_pixels);
 }
 
 void main() {
@@ -65,7 +62,7 @@ void main() {
     const bool taken = (PARTS & COMBINE_UPSAMPLE) != 0u && upsampled(pixel, x, y, point, light);
     if ((PARTS & COMBINE_SHADOW) != 0u) add_direct_light(pixel);
     if ((PARTS & COMBINE_MERGE) != 0u) {
-        if (point.kind != 0u) add_rgb(PLANE_INDIRECT, pixel, point.weight * (taken ? light : sums[index]));
+        if (point.kind != 0u) add_rgb(LAYER_INDIRECT, pixel, point.weight * (taken ? light : sums[index]));
     } else if (taken) {
         sums[index] = light;
     }

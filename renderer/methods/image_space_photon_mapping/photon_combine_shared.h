@@ -5,11 +5,8 @@
 #include "renderer/gbuffer/split_shared.h"
 #include "renderer/methods/image_space_photon_mapping/soft_shadows_shared.h"
 
-// Specialisation constants: which parts a pipeline does, and the layers' planes.
+// A specialisation constant: which parts a pipeline does.
 #define COMBINE_PARTS_ID 84
-#define PLANE_SHADOW_DISTANCE_ID 85
-#define PLANE_BLUR_RADIUS_ID 86
-#define PLANE_BOUNCE_MAP_ID 90
 
 #define COMBINE_UPSAMPLE 1u
 #define COMBINE_SHADOW 2u

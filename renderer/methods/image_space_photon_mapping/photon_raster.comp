@@ -11,7 +11,6 @@
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 #include "renderer/photons/kernel.glsl"
 
-layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(local_size_x = SCATTER_GROUP) in;
@@ -40,8 +39,8 @@ void main() {
     if (!is_drawn(x, y, points[index], constants.radius_of_map_m[push.map])) return;
     const vec4 drawn = light_and_photons[thread];
     sums[index] += drawn.rgb;
-    if (layer_kept(PLANE_OVERLAP)) {
+    if (layer_kept(LAYER_OVERLAP)) {
         const uint pixel = y * split.width + x;
-        store_value(PLANE_OVERLAP, pixel, load_value(PLANE_OVERLAP, pixel) + drawn.a);
+        store_value(LAYER_OVERLAP, pixel, load_value(LAYER_OVERLAP, pixel) + drawn.a);
     }
 }

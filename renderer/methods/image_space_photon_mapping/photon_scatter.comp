@@ -13,7 +13,6 @@
 #include "renderer/gbuffer/split_buffer.glsl"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 
-layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(local_size_x = SCATTER_GROUP) in;
@@ -157,8 +156,8 @@ void main() {
     }
     if (!lit) return;
     sums[index] += mass.inverse * sum;
-    if (layer_kept(PLANE_OVERLAP)) {
+    if (layer_kept(LAYER_OVERLAP)) {
         const uint pixel_number = y * split.width + x;
-        store_value(PLANE_OVERLAP, pixel_number, load_value(PLANE_OVERLAP, pixel_number) + float(lit_by));
+        store_value(LAYER_OVERLAP, pixel_number, load_value(LAYER_OVERLAP, pixel_number) + float(lit_by));
     }
 }

@@ -7,7 +7,6 @@
 #include "renderer/photons/hash_grid_shared.h"
 #include "renderer/photons/kernel_shared.h"
 #include "renderer/scene/camera_shared.h"
-#include "renderer/splats/splat_layers_shared.h"
 
 #define SCATTER_GROUP 64      // threads: those of a block of pixels, and of a batch of photons
 #define SCATTER_BLOCK_SIDE 8  // pixels

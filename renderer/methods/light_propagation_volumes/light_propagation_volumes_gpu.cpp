@@ -21,12 +21,6 @@ uint32_t most_photons(const LightPropagationVolumesParams& params) {
     return static_cast<uint32_t>(most_vpls(params.vpls, params.bounces));
 }
 
-std::vector<gpu::Specialization> layer_constants(const DeviceImage& image) {
-    std::vector<gpu::Specialization> constants = image.specialization();
-    constants.push_back(image.plane(PLANE_VOLUME_ID, Layer::Volume));
-    return constants;
-}
-
 }  // namespace
 
 void LightPropagationVolumesParams::check() const { require_power_of_two("/map_resolution", map_resolution); }
@@ -34,7 +28,7 @@ void LightPropagationVolumesParams::check() const { require_power_of_two("/map_r
 struct LightPropagationVolumesGpu::State {
     /// What there is where light is.
     struct Lit {
-        Lit(const RenderContext& context, const LightPropagationVolumesParams& params, DeviceImage& image)
+        Lit(const RenderContext& context, const LightPropagationVolumesParams& params)
             : scene(*context.device_scene),
               volumes(scene,
                       make_propagation_cascades(scene.scene().bounds, context.view.camera, params.resolution,
@@ -47,7 +41,7 @@ struct LightPropagationVolumesGpu::State {
                         std::vector{gpu::specialize(ASKS_CELLS_ID, params.receiver_rays && params.geometry_volume)})) {
             if (context.view.layers.has(Layer::Volume))
                 show.emplace(scene.device(), "renderer/methods/light_propagation_volumes/volume_layer.comp",
-                             sizeof(gpu::SplitRecord), &scene.set(), scene.specialization(layer_constants(image)));
+                             sizeof(gpu::SplitRecord), &scene.set(), scene.specialization());
         }
 
         const gpu::DeviceScene& scene;
@@ -62,7 +56,7 @@ struct LightPropagationVolumesGpu::State {
         if (!frame.lit()) return;
         {
             const StageTimer timer(stats, "pipelines");
-            lit.emplace(context, params, frame.frame().image());
+            lit.emplace(context, params);
         }
         lit->volumes.find_faces(params.geometry_volume, stats);
         frame.light_by([this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); });

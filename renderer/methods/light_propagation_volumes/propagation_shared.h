@@ -15,8 +15,7 @@
 
 #define NO_PROPAGATION_CELL 0xffffffffu
 
-// Specialisation constants.
-#define PLANE_VOLUME_ID 100
+// A specialisation constant.
 #define ASKS_CELLS_ID 101
 
 #ifdef __cplusplus

@@ -10,8 +10,6 @@
 #include "renderer/gbuffer/gbuffer_pixels.glsl"
 #include "renderer/methods/light_propagation_volumes/volume_points.glsl"
 
-layout(constant_id = PLANE_VOLUME_ID) const uint PLANE_VOLUME = NO_PLANE;
-
 void main() {
     uint pixel;
     if (!pixel_of_thread(pixel)) return;
@@ -24,7 +22,7 @@ void main() {
         const uint place = i * cascades.cells + cell_index(grid, cell);
         CellLight light = injected[place];
         add_light(light, volume[place], 1.0);
-        store_rgb(PLANE_VOLUME, pixel, vec3(light.red.x, light.green.x, light.blue.x) / (1.5 * grid.cell_m) / grid.cell_m);
+        store_rgb(LAYER_VOLUME, pixel, vec3(light.red.x, light.green.x, light.blue.x) / (1.5 * grid.cell_m) / grid.cell_m);
         return;
     }
 }

@@ -31,9 +31,8 @@ struct PathTracingGpu::State {
             make_eye_constants(context.view, params.max_scatterings(), params.roulette_start);
         gpu::upload(device, eye, std::as_bytes(std::span(&eye_constants, 1)));
         const gpu::DeviceScene& on_device = *context.device_scene;
-        std::vector<gpu::Specialization> fixed = eye_specialization(frame.image());
-        fixed.push_back(gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true));  // as PathScene on the CPU
-        const std::vector<gpu::Specialization> constants = on_device.specialization(fixed);
+        const std::vector<gpu::Specialization> constants = on_device.specialization(
+            std::vector{gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});  // as PathScene on the CPU
         if (params.gpu_kernels == PathKernels::Wavefront)
             wavefront.emplace(on_device, tiles_a_piece, constants);
         else

@@ -12,7 +12,6 @@
 #include "renderer/gathering/gathering_shared.h"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
-layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
 layout(constant_id = GATHER_LANES_ID) const uint GATHER_LANES = 8;
 layout(push_constant, scalar) uniform Push { GatherSumPush push; };
 layout(set = 0, binding = 3, scalar) buffer PointState { uint point_state[POINT_STATE_WORDS]; };
@@ -35,8 +34,8 @@ void main() {
             photons += gathered_light[i].photons;
         }
     }
-    add_rgb(PLANE_DIRECT, pixel, direct);
-    add_rgb(PLANE_INDIRECT, pixel, indirect);
-    if (layer_kept(PLANE_PHOTON_COUNT))
-        store_value(PLANE_PHOTON_COUNT, pixel, load_value(PLANE_PHOTON_COUNT, pixel) + float(photons));
+    add_rgb(LAYER_DIRECT, pixel, direct);
+    add_rgb(LAYER_INDIRECT, pixel, indirect);
+    if (layer_kept(LAYER_PHOTON_COUNT))
+        store_value(LAYER_PHOTON_COUNT, pixel, load_value(LAYER_PHOTON_COUNT, pixel) + float(photons));
 }

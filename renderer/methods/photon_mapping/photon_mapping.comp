@@ -10,8 +10,6 @@
 #include "renderer/eye/eye_shared.h"
 #include "renderer/gathering/photon_lookup.glsl"
 
-layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
-
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { EyePassPush push; };
 
@@ -58,7 +56,7 @@ void look_up(WalkVertex point, uint turn, inout PathLight light) {
     const MapEstimates maps = estimate_maps(point.surface, point.rough, point.wo, most, !FINAL_GATHER, query);
     photons += maps.caustic.photons + maps.global.photons;
     light.indirect += point.throughput * (maps.caustic.radiance + maps.global.radiance);
-    if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0)
+    if (layer_kept(LAYER_CAUSTIC) && point.scatterings == 0)
         light.caustic += point.throughput * maps.caustic.delta_radiance;
 }
 
@@ -95,7 +93,7 @@ void main() {
         while (step_path(vertex, key, path, ray, light)) ++vertex;
         store_light(path.pixel, light);
         if (FINAL_GATHER) last_points[flat_index()] = last_point;
-        if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, path.pixel, float(photons));
+        if (layer_kept(LAYER_PHOTON_COUNT)) store_value(LAYER_PHOTON_COUNT, path.pixel, float(photons));
         count(COUNTER_CAMERA_RAYS, 1);
         count(COUNTER_BOUNCE_RAYS, vertex);
         count(COUNTER_SHADOW_RAYS, shadow_rays);

@@ -223,15 +223,15 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met, uint32_t ir
     point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
     last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
     make_room();
-    std::vector<gpu::Specialization> fixed = eye_specialization(frame.image());
-    fixed.insert(fixed.end(),
-                 {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
-                  gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
-                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
-                  gpu::specialize(FINAL_GATHER_ID, gathers()), gpu::specialize(GATHER_LANES_ID, gather_lanes),
-                  gpu::specialize(GLOBAL_MAP_ID, maps.has(PHOTON_MAP_GLOBAL)),
-                  gpu::specialize(CAUSTIC_MAP_ID, maps.has(PHOTON_MAP_CAUSTIC)),
-                  gpu::specialize(PRECOMPUTED_IRRADIANCE_ID, precomputes())});
+    std::vector<gpu::Specialization> fixed{
+        gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
+        gpu::specialize(SOFT_DISC_ID, params.soft_disc),
+        gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
+        gpu::specialize(FINAL_GATHER_ID, gathers()),
+        gpu::specialize(GATHER_LANES_ID, gather_lanes),
+        gpu::specialize(GLOBAL_MAP_ID, maps.has(PHOTON_MAP_GLOBAL)),
+        gpu::specialize(CAUSTIC_MAP_ID, maps.has(PHOTON_MAP_CAUSTIC)),
+        gpu::specialize(PRECOMPUTED_IRRADIANCE_ID, precomputes())};
     fixed = on_device.specialization(fixed);
     if (precomputes())
         precompute.emplace(device, "renderer/photons/precomputed_irradiance.comp", sizeof(gpu::PrecomputePush),

@@ -100,8 +100,7 @@ struct PhotonSplattingGpu::State {
         const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_eye, 1)));
         make_room(expected_points(size, scene.needs), expected_clusters(size, scene.needs));
-        std::vector<gpu::Specialization> fixed = eye_specialization(device_image);
-        fixed.push_back(device_image.plane(PLANE_OVERLAP_ID, Layer::Overlap));
+        std::vector<gpu::Specialization> fixed;
         fixed.push_back(gpu::specialize(SPLAT_HAS_CONNECTIONS_ID, settings.connects));
         fixed.push_back(gpu::specialize(SPLAT_HAS_BEAMS_ID, has_beams(p, scene.needs)));
         fixed.push_back(gpu::specialize(SPLAT_NORMALISED_ID, settings.normalised));

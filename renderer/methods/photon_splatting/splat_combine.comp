@@ -11,7 +11,6 @@
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/gbuffer/receiver.glsl"
 
-layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
 layout(constant_id = SPLAT_EDGES_ID) const bool SPLAT_EDGES = false;
 
@@ -47,6 +46,6 @@ void main() {
         edge = vec4(point.normal, dot(point.position - eye.camera.position, eye.camera.forward));
     }
     if (SPLAT_EDGES) edges[pixel] = edge;
-    add_rgb(PLANE_INDIRECT, pixel, indirect);
-    if (layer_kept(PLANE_OVERLAP)) store_value(PLANE_OVERLAP, pixel, splats);
+    add_rgb(LAYER_INDIRECT, pixel, indirect);
+    if (layer_kept(LAYER_OVERLAP)) store_value(LAYER_OVERLAP, pixel, splats);
 }

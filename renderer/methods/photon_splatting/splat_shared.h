@@ -5,7 +5,6 @@
 
 #include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/photons/kernel_shared.h"
-#include "renderer/splats/splat_layers_shared.h"
 
 #define SPLAT_GROUP 64  // threads of a group that lights a cluster, and most points of one: a tile of EYE_TILE squared
 #define MOST_DEPTH_TEXELS 64  // SplatDepthMaps::kMostResolution

@@ -5,9 +5,6 @@
 
 #include "renderer/methods/radiance_cache/cached_paths.glsl"
 
-layout(constant_id = PLANE_CACHE_CELLS_ID) const uint PLANE_CACHE_CELLS = NO_PLANE;
-layout(constant_id = PLANE_CACHE_SAMPLES_ID) const uint PLANE_CACHE_SAMPLES = NO_PLANE;
-
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { CacheGatherPush push; };
 
@@ -19,9 +16,9 @@ void show_cell(uint pixel, ShadingPoint surface, Bsdf rough, vec3 to_eye) {
     if (!cell_level(distance(surface.position, cache.eye), INFINITY, level)) return;
     const CellKey key = cell_key(surface.position, surface.shading.normal, cell_direction(rough, to_eye), level);
     vec3 radiance;
-    if (layer_kept(PLANE_CACHE_SAMPLES)) store_value(PLANE_CACHE_SAMPLES, pixel, float(cell_mean(key, radiance)));
-    if (layer_kept(PLANE_CACHE_CELLS))
-        store_rgb(PLANE_CACHE_CELLS, pixel, vec3(to_unit_float(hash32(key.fingerprint)),
+    if (layer_kept(LAYER_CACHE_SAMPLES)) store_value(LAYER_CACHE_SAMPLES, pixel, float(cell_mean(key, radiance)));
+    if (layer_kept(LAYER_CACHE_CELLS))
+        store_rgb(LAYER_CACHE_CELLS, pixel, vec3(to_unit_float(hash32(key.fingerprint)),
                                                  to_unit_float(hash32(key.fingerprint + 1u)),
                                                  to_unit_float(hash32(key.fingerprint + 2u))));
 }

@@ -27,13 +27,6 @@ uint32_t paths_of_round(const CacheTraining& training) {
     return static_cast<uint32_t>(training.tiles_of_round() * kEyeTilePixels);
 }
 
-std::vector<gpu::Specialization> cache_constants(const DeviceImage& image) {
-    std::vector<gpu::Specialization> constants = eye_specialization(image);
-    constants.push_back(image.plane(PLANE_CACHE_CELLS_ID, Layer::CacheCells));
-    constants.push_back(image.plane(PLANE_CACHE_SAMPLES_ID, Layer::CacheSamples));
-    return constants;
-}
-
 std::string cached_shader(const char* name) { return "renderer/methods/radiance_cache/" + std::string(name); }
 
 }  // namespace
@@ -58,13 +51,13 @@ struct RadianceCacheGpu::State {
           shows(context.view.layers.has(Layer::CacheCells) || context.view.layers.has(Layer::CacheSamples)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           gather(device, cached_shader("cache_gather.comp"), sizeof(gpu::CacheGatherPush), &scene.set(),
-                 scene.specialization(cache_constants(frame.image()))) {
+                 scene.specialization()) {
         const gpu::EyeConstants of_view = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_view, 1)));
         if (!asks) return;
         if (const auto aged = frames.aged(seed)) cells.begin_with(device, *aged);
         train.emplace(device, cached_shader("cache_train.comp"), sizeof(gpu::CacheTrainPush), &scene.set(),
-                      scene.specialization(cache_constants(frame.image())));
+                      scene.specialization());
     }
     ~State() { frame.end(); }
 

@@ -26,10 +26,6 @@
 #define CACHE_MISSES 6
 #define CACHE_STATE_WORDS 8
 
-// Specialisation constants.
-#define PLANE_CACHE_CELLS_ID 105
-#define PLANE_CACHE_SAMPLES_ID 106
-
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
 

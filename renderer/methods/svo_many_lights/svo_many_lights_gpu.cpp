@@ -11,7 +11,6 @@
 #include "renderer/many_lights/vpl_choice_gpu.h"
 #include "renderer/many_lights/vpl_lighting_gpu.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
-#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
 #include "renderer/voxels/kept_voxels_gpu.h"
 
@@ -119,20 +118,17 @@ struct SvoManyLightsGpu::State {
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           buffer(scene, context.view, seed, walk_of(p), device_image, {.depth_maps = light_maps.get()}),
           merge(scene, buffer, device_image, layers, filter_of(p)) {
-        show_voxels = layer_pipeline("svo_voxels.comp", 0, PLANE_VOXELS_ID, Layer::Voxels);
-        show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord), PLANE_VPLS_ID, Layer::Vpls);
+        show_voxels = layer_pipeline("svo_voxels.comp", 0, Layer::Voxels);
+        show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord), Layer::Vpls);
     }
 
     ~State() { frame.end(); }
 
     /// Null where the layer is not asked for.
     std::unique_ptr<gpu::ComputePipeline> layer_pipeline(const std::string& name, uint32_t push_bytes,
-                                                         uint32_t plane_id, Layer layer) const {
+                                                         Layer layer) const {
         if (!layers.has(layer)) return nullptr;
-        std::vector<gpu::Specialization> constants = device_image.specialization();
-        constants.push_back(device_image.plane(plane_id, layer));
-        return std::make_unique<gpu::ComputePipeline>(device, "renderer/methods/svo_many_lights/" + name, push_bytes,
-                                                      nullptr, constants);
+        return std::make_unique<gpu::ComputePipeline>(device, "renderer/methods/svo_many_lights/" + name, push_bytes);
     }
 
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
@@ -225,7 +221,7 @@ void SvoManyLightsGpu::State::record_layers(gpu::CommandList& commands) {
         commands.dispatch_threads(pixels, SPLIT_GROUP);
     }
     if (show_vpls) {
-        commands.bind(*show_vpls, {gpu::read_write("layer_words", device_image.layers()),
+        commands.bind(*show_vpls, {gpu::read_write("device_layers", device_image.layers()),
                                    gpu::read("eye", buffer.eye()), gpu::read("points", buffer.points()),
                                    gpu::read("counts", lights->set.counts()), gpu::read("vpls", lights->set.vpls())});
         commands.push(buffer.split());

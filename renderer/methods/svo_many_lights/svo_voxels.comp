@@ -11,12 +11,9 @@
 #include "renderer/core/rng.glsl"
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
 #include "renderer/frame/device_image.glsl"
-#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/eye/eye_shared.h"
 #include "renderer/scene/camera.glsl"
 #include "renderer/voxels/svo_march.glsl"
-
-layout(constant_id = PLANE_VOXELS_ID) const uint PLANE_VOXELS = NO_PLANE;
 
 layout(local_size_x = SPLIT_GROUP) in;
 layout(set = 0, binding = 1, scalar) readonly buffer Eye { EyeConstants eye; };
@@ -46,5 +43,5 @@ void main() {
     uint surface;
     vec3 shown = vec3(0.0);
     if (svo_first_voxel(ray, t, voxel, surface)) shown = brick_color(voxel) * face_cosine(voxel, t, ray);
-    store_rgb(PLANE_VOXELS, pixel, shown);
+    store_rgb(LAYER_VOXELS, pixel, shown);
 }

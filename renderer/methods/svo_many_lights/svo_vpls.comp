@@ -6,17 +6,11 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/gbuffer/split_shared.h"
-#include "renderer/frame/device_image_shared.h"
 #include "renderer/eye/eye_shared.h"
 #include "renderer/many_lights/vpl_set_shared.h"
-#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
-
-layout(constant_id = PLANE_VPLS_ID) const uint PLANE_VPLS = NO_PLANE;
-layout(constant_id = PLANES_ID) const uint PLANES = 1;
 
 layout(local_size_x = VPL_SET_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplitRecord split; };
-layout(set = 0, binding = 0, scalar) buffer Layers { uint layer_words[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Eye { EyeConstants eye; };
 layout(set = 0, binding = 2, scalar) readonly buffer Points { GBufferPoint points[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer Counts { uint counts[VPL_COUNT_WORDS]; };
@@ -24,7 +18,7 @@ layout(set = 0, binding = 4, scalar) readonly buffer Vpls { Vpl vpls[]; };
 
 #define SHOWN_POINTS points
 #include "renderer/gbuffer/shown_places.glsl"
-#define LAYER_WORDS layer_words
+#define IMAGE_BINDING 0
 #include "renderer/frame/count_in_layer.glsl"
 
 void main() {
@@ -32,5 +26,5 @@ void main() {
     if (light >= counts[VPL_COUNT]) return;
     uint pixel;
     if (pixel_that_shows(eye, split, vpls[light].position, VPL_SHOWN_DEPTH, pixel))
-        count_in_layer(PLANE_VPLS, pixel);
+        count_in_layer(LAYER_VPLS, pixel);
 }

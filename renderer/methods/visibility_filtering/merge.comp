@@ -14,11 +14,6 @@
 #include "renderer/photons/hash_grid.glsl"
 
 layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
-layout(constant_id = PLANE_PROXIES_ID) const uint PLANE_PROXIES = NO_PLANE;
-layout(constant_id = PLANE_PROXY_VOXELS_ID) const uint PLANE_PROXY_VOXELS = NO_PLANE;
-layout(constant_id = PLANE_VISIBILITY_COUNT_ID) const uint PLANE_VISIBILITY_COUNT = NO_PLANE;
-layout(constant_id = PLANE_LISTS_BEFORE_FILTER_ID) const uint PLANE_LISTS_BEFORE_FILTER = NO_PLANE;
-layout(constant_id = PLANE_UPSAMPLING_WEIGHT_ID) const uint PLANE_UPSAMPLING_WEIGHT = NO_PLANE;
 
 layout(local_size_x = LISTS_GROUP) in;
 layout(set = 0, binding = 1, scalar) readonly buffer Constants { VisibilityConstants constants; };
@@ -65,12 +60,13 @@ bool is_seen(uint list, uint slot) {
 
 void show_structures(uint pixel, uint x, uint y, GBufferPoint point) {
     const uint slot = grid_slot_of(constants.grid, point.position);
-    if (layer_kept(PLANE_PROXIES)) store_rgb(PLANE_PROXIES, pixel, proxy_at(point.position, slot));
-    if (layer_kept(PLANE_PROXY_VOXELS)) {
+    if (layer_kept(LAYER_PROXIES)) store_rgb(LAYER_PROXIES, pixel, proxy_at(point.position, slot));
+    if (layer_kept(LAYER_PROXY_VOXELS)) {
         const uint color = hash32(slot);
-        store_rgb(PLANE_PROXY_VOXELS, pixel, vec3(color & 0xffu, color >> 8 & 0xffu, color >> 16 & 0xffu) / 255.0);
+        store_rgb(LAYER_PROXY_VOXELS, pixel, vec3(color & 0xffu, color >> 8 & 0xffu, color >> 16 & 0xffu) / 255.0);
     }
-    if (!layer_kept(PLANE_VISIBILITY_COUNT) && !layer_kept(PLANE_LISTS_BEFORE_FILTER)) return;
+    if (LISTS == LISTS_NONE) return;
+    if (!layer_kept(LAYER_VISIBILITY_COUNT) && !layer_kept(LAYER_LISTS_BEFORE_FILTER)) return;
     const uint column = min(x / constants.march_side, constants.march_columns - 1u);
     const uint row = min(y / constants.march_side, constants.march_rows - 1u);
     const uint list = row * constants.march_columns + column;
@@ -81,8 +77,8 @@ void show_structures(uint pixel, uint x, uint y, GBufferPoint point) {
         if (LISTS != LISTS_INDICES && is_seen(list, slot)) ++seen;
     }
     if (LISTS == LISTS_INDICES) seen = filtered[list * constants.list_words];
-    if (layer_kept(PLANE_VISIBILITY_COUNT)) store_value(PLANE_VISIBILITY_COUNT, pixel, float(seen));
-    if (layer_kept(PLANE_LISTS_BEFORE_FILTER)) store_value(PLANE_LISTS_BEFORE_FILTER, pixel, float(before));
+    if (layer_kept(LAYER_VISIBILITY_COUNT)) store_value(LAYER_VISIBILITY_COUNT, pixel, float(seen));
+    if (layer_kept(LAYER_LISTS_BEFORE_FILTER)) store_value(LAYER_LISTS_BEFORE_FILTER, pixel, float(before));
 }
 
 void main() {
@@ -97,8 +93,8 @@ void main() {
     if (is_lit(point) && !lights_itself(split, x, y, point, height_m)) {
         const SubSamples from = sub_samples_of(split, x, y, point, height_m);
         light = light_of_sub_samples(from);
-        if (layer_kept(PLANE_UPSAMPLING_WEIGHT)) store_value(PLANE_UPSAMPLING_WEIGHT, pixel, from.total);
+        if (layer_kept(LAYER_UPSAMPLING_WEIGHT)) store_value(LAYER_UPSAMPLING_WEIGHT, pixel, from.total);
     }
-    add_rgb(PLANE_INDIRECT, pixel, point.weight * light);
+    add_rgb(LAYER_INDIRECT, pixel, point.weight * light);
     show_structures(pixel, x, y, point);
 }

@@ -47,17 +47,9 @@ std::unique_ptr<LightDepthMapsGpu> make_depth_maps(const gpu::DeviceScene& scene
     return std::make_unique<LightDepthMapsGpu>(scene, params.depth_map_resolution, kPcf, stats);
 }
 
-std::vector<gpu::Specialization> merge_constants(const DeviceImage& image, const VisibilityFilteringParams& params) {
-    std::vector<gpu::Specialization> constants = image.specialization();
-    constants.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
-    constants.push_back(gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists)));
-    constants.push_back(image.plane(PLANE_PROXIES_ID, Layer::Proxies));
-    constants.push_back(image.plane(PLANE_PROXY_VOXELS_ID, Layer::ProxyVoxels));
-    constants.push_back(image.plane(PLANE_UPSAMPLING_WEIGHT_ID, Layer::UpsamplingWeight));
-    if (params.asks_rays()) return constants;  // there are no lists
-    constants.push_back(image.plane(PLANE_VISIBILITY_COUNT_ID, Layer::VisibilityCount));
-    constants.push_back(image.plane(PLANE_LISTS_BEFORE_FILTER_ID, Layer::ListsBeforeFilter));
-    return constants;
+std::vector<gpu::Specialization> merge_constants(const VisibilityFilteringParams& params) {
+    return {gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
+            gpu::specialize(LISTS_ID, params.asks_rays() ? LISTS_NONE : static_cast<uint32_t>(params.lists))};
 }
 
 std::string visibility_shader(const char* name) { return "renderer/methods/visibility_filtering/" + std::string(name); }
@@ -124,7 +116,7 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, KeptVoxel
                  gpu::specialize(PAPER_SPECULAR_ID, params.specular == ProxySpecular::Paper),
                  gpu::specialize(PAPER_NORMALISATION_ID, params.normalisation == ListNormalisation::Paper)})),
       merge(scene.device(), visibility_shader("merge.comp"), 0, &scene.set(),
-            scene.specialization(merge_constants(state.frame.image(), params))) {
+            scene.specialization(merge_constants(params))) {
     if (state.frames.keeps())
         kept.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
                      state.frames);

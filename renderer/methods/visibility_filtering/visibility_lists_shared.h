@@ -18,12 +18,9 @@
 #define LISTS_COUNTS 0u  // ListKind
 #define LISTS_BITS 1u
 #define LISTS_INDICES 2u
+#define LISTS_NONE 3u  // shadow rays tell instead
 #define PAPER_NORMALISATION_ID 93
 #define PAPER_SPECULAR_ID 99
-#define PLANE_PROXIES_ID 95
-#define PLANE_PROXY_VOXELS_ID 96
-#define PLANE_VISIBILITY_COUNT_ID 97
-#define PLANE_LISTS_BEFORE_FILTER_ID 98
 
 #define FILTER_MOST_WORDS 2048  // of LISTS_INDICES, before the filter
 #define FILTER_MOST_SIDE 7      // lists: a thread of a group looks at one of the square

@@ -11,8 +11,6 @@
 #include "renderer/methods/voxel_cone_tracing/cone_march.glsl"
 #include "renderer/scene/camera.glsl"
 
-layout(constant_id = PLANE_CONE_MIP_ID) const uint PLANE_CONE_MIP = NO_PLANE;
-
 layout(local_size_x = CONE_GROUP) in;
 layout(push_constant, scalar) uniform Push { ConeMarch march; };
 layout(set = 0, binding = 7, scalar) readonly buffer Eye { EyeConstants eye; };
@@ -28,7 +26,7 @@ void main() {
     const vec3 inverse = 1.0 / mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     const vec3 enter = min(-origin * inverse, (resolution - origin) * inverse);
     const float first = max(max(enter.x, max(enter.y, enter.z)), 0.0) + 0.5;
-    store_rgb(PLANE_CONE_MIP, pixel,
+    store_rgb(LAYER_CONE_MIP, pixel,
               cone_radiance(ConeStart(origin, vec3(0.0)), Cone(ray.direction, kShownAperture, march.step), first,
                             hash32(pixel ^ march.key)));
 }

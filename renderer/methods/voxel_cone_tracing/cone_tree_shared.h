@@ -15,7 +15,6 @@
 #define OPACITY_MOST 1023u
 
 // Specialisation constants.
-#define PLANE_CONE_MIP_ID 102
 #define EVERY_CELL_ID 103
 #define DRAWN_CONES_ID 104
 

@@ -23,12 +23,6 @@ uint32_t most_photons(const VoxelConeTracingParams& params) {
     return static_cast<uint32_t>(most_vpls(params.vpls, params.bounces));
 }
 
-std::vector<gpu::Specialization> mip_layer_constants(const DeviceImage& image) {
-    std::vector<gpu::Specialization> constants = image.specialization();
-    constants.push_back(image.plane(PLANE_CONE_MIP_ID, Layer::ConeMip));
-    return constants;
-}
-
 }  // namespace
 
 void VoxelConeTracingParams::check() const {
@@ -39,7 +33,7 @@ void VoxelConeTracingParams::check() const {
 struct VoxelConeTracingGpu::State {
     /// What there is where light is.
     struct Lit {
-        Lit(const RenderContext& context, const VoxelConeTracingParams& params, DeviceImage& image, Stats& stats)
+        Lit(const RenderContext& context, const VoxelConeTracingParams& params, Stats& stats)
             : tree(*context.device_scene, make_voxel_grid(context.scene.bounds, params.voxel_resolution),
                    most_photons(params), stats, context.kept_voxels),
               albedos(gpu::make_buffer<vec2>(context.device_scene->device(), "lobe_albedos",
@@ -51,7 +45,7 @@ struct VoxelConeTracingGpu::State {
                                     gpu::specialize(DRAWN_CONES_ID, params.directions == ConeDirections::Drawn)})) {
             if (context.view.layers.has(Layer::ConeMip))
                 show.emplace(context.device_scene->device(), "renderer/methods/voxel_cone_tracing/cone_layer.comp",
-                             sizeof(gpu::ConeMarch), nullptr, mip_layer_constants(image));
+                             sizeof(gpu::ConeMarch));
         }
 
         ConeTreeGpu tree;
@@ -63,7 +57,7 @@ struct VoxelConeTracingGpu::State {
     State(const RenderContext& context, const VoxelConeTracingParams& p, Stats& stats)
         : params(p), frame(context, settings_of(p), stats) {
         if (!frame.lit()) return;
-        lit.emplace(context, params, frame.frame().image(), stats);
+        lit.emplace(context, params, stats);
         frame.light_by([this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); });
     }
 
