@@ -107,6 +107,7 @@ std::optional<Failure> command_fault(const CLI::App& program) {
         return Failure(ExitCode::Usage, line + " needs a command", there_are);
     }
     std::vector<std::string> known;
+    known.reserve(commands.size());
     for (const CLI::App* command : commands) known.push_back(command->get_name());
     const std::string near = nearest_name(*word, known);
     return Failure(ExitCode::Usage, "there is no command " + line + " " + printable(*word),

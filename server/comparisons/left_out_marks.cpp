@@ -12,6 +12,7 @@ bool is_of_direct_light(const std::string& metric) {
 
 std::string row_names(const ComparisonTable& table, const std::vector<size_t>& rows) {
     std::vector<std::string> names;
+    names.reserve(rows.size());
     for (const size_t row : rows) names.push_back(row_name(table.rows[row].label, table.rows[row].parameters));
     return enumerated(names);
 }

@@ -187,7 +187,7 @@ private:
 /// ray visits slots in falling order of slot XOR its octant (bits set where its direction is negative). Greedily, the
 /// child that would lose most first [Ylitie et al. 2017, section 3.2; theirs is an auction].
 std::array<int, kWidth> assign_slots(const Bounds3& box, std::span<const Bounds3> children) {
-    float gain[kWidth][kWidth];
+    float gain[kWidth][kWidth] = {};
     for (size_t c = 0; c < children.size(); ++c) {
         const vec3 d = children[c].centre() - box.centre();
         for (uint32_t s = 0; s < kWidth; ++s)
