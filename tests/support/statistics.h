@@ -127,6 +127,15 @@ inline double two_sided_t(double probability, double degrees) {
     return low;
 }
 
+/// Degrees of freedom of the difference of two means of independent samples [Welch 1947, Satterthwaite 1946]. Two
+/// samples or more of each.
+inline double degrees_of_difference(const RunningMean& a, const RunningMean& b) {
+    const auto square = [](double x) { return x * x; };
+    const double of_a = square(a.standard_error()), of_b = square(b.standard_error());
+    return square(of_a + of_b) /
+           (square(of_a) / static_cast<double>(a.count() - 1) + square(of_b) / static_cast<double>(b.count() - 1));
+}
+
 /// Mean of independent replicates and the half-width outside of which the true mean lies with the false-alarm rate.
 struct Interval {
     double mean = 0;

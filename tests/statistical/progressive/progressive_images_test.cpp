@@ -17,7 +17,7 @@ constexpr size_t kChecks = 10;
 
 /// Of the indirect light, film by film.
 template <class M>
-test::RunningMean means_of(const Scene& scene, test::RenderSettingsOf<M> settings, uint64_t films = 18) {
+test::RunningMean means_of(const Scene& scene, test::RenderSettingsOf<M> settings, uint64_t films) {
     settings.size = {32, 32};
     test::RunningMean mean;
     for (settings.seed = 1; settings.seed <= films; ++settings.seed)
@@ -31,15 +31,15 @@ std::string name_of(RadiusRule rule) {
 }
 
 /// `mean` is `truth` within `allowed` and noise, as shares of it; what `must_notice` of it off would be noticed.
-void expect_mean_of(const test::RunningMean& mean, double truth, const std::string& name, double allowed,
-                    double must_notice, double error_of_truth = 0) {
+/// `sigma`: the standard error of their difference, which has that many degrees of freedom.
+void expect_mean_of(const test::RunningMean& mean, double truth, double sigma, double degrees, const std::string& name,
+                    double allowed, double must_notice) {
     const double difference = mean.mean() / truth - 1;
-    const double sigma = std::hypot(mean.standard_error(), error_of_truth) / truth;
-    const double t = test::two_sided_t(test::share_of_false_alarm(kFalseAlarm, kChecks), double(mean.count()) - 1);
-    std::printf("%-50s %+.3f %%, standard error %.3f %% (photons %.3f %%)\n", name.c_str(), 100 * difference,
-                100 * sigma, 100 * mean.standard_error() / truth);
-    EXPECT_LE(std::abs(difference), allowed + t * sigma) << name;
-    EXPECT_LE(t * sigma, must_notice) << name << ": too noisy to notice a defect";
+    const double noise = test::two_sided_t(test::share_of_false_alarm(kFalseAlarm, kChecks), degrees) * sigma / truth;
+    std::printf("%-50s %+.3f %%, within %.3f %%, standard error %.3f %% (photons %.3f %%)\n", name.c_str(),
+                100 * difference, 100 * noise, 100 * sigma / truth, 100 * mean.standard_error() / truth);
+    EXPECT_LE(std::abs(difference), allowed + noise) << name;
+    EXPECT_LE(noise, must_notice) << name << ": too noisy to notice a defect";
 }
 
 template <class M>
@@ -49,15 +49,16 @@ void expect_mean(const Scene& scene, const test::RunningMean& truth, RadiusRule 
     settings.passes = 5;
     settings.params.photons = 10'000;
     settings.params.radius_rule = rule;
-    expect_mean_of(means_of(scene, settings), truth.mean(), name_of<M>(rule), allowed, must_notice,
-                   truth.standard_error());
+    const test::RunningMean mean = means_of(scene, settings, 12);
+    expect_mean_of(mean, truth.mean(), std::hypot(mean.standard_error(), truth.standard_error()),
+                   test::degrees_of_difference(mean, truth), name_of<M>(rule), allowed, must_notice);
 }
 
 TEST(ProgressiveImages, MeansAreThoseOfPathTracing) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     test::RenderSettings paths;
-    paths.passes = 170;
-    const test::RunningMean truth = means_of(scene, paths);
+    paths.passes = 45;
+    const test::RunningMean truth = means_of(scene, paths, 32);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Trained, 0.01, 0.05);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Global, 0.01, 0.05);
     expect_mean<StochasticProgressivePhotonMapping>(scene, truth, RadiusRule::Local, 0.01, 0.05);
@@ -73,7 +74,8 @@ void expect_furnace(const Scene& scene, RadiusRule rule) {
     settings.passes = 2;
     settings.params.photons = 10'000;
     settings.params.radius_rule = rule;
-    expect_mean_of(means_of(scene, settings, 24), 0.5, name_of<M>(rule), 0.002, 0.03);
+    const test::RunningMean mean = means_of(scene, settings, 24);
+    expect_mean_of(mean, 0.5, mean.standard_error(), double(mean.count()) - 1, name_of<M>(rule), 0.002, 0.03);
 }
 
 TEST(ProgressiveImages, AFurnaceIsEven) {

@@ -95,18 +95,19 @@ test::RenderSettingsOf<M> settings_of(RadiusRule rule, uint32_t photons, uint32_
 /// The mean of the picture is exact: within the spread of films of their own seeds.
 template <class M>
 void expect_even(const Scene& scene, const test::RenderSettingsOf<M>& asked, const std::string& what) {
-    constexpr uint64_t kFilms = 20;
-    constexpr size_t kChecks = 11;
-    test::RunningMean mean;
-    test::RenderSettingsOf<M> settings = asked;
-    for (settings.seed = 1; settings.seed <= kFilms; ++settings.seed)
-        mean.add(test::mean_of(test::render(scene, settings).resolve(Layer::Indirect)));
+    constexpr size_t kMostFilms = 20, kChecks = 11;
+    constexpr double kMustNotice = 0.02;  // as a share of the mean
     const double expected = double{kAlbedo} / std::numbers::pi;
-    const double t = test::two_sided_t(test::share_of_false_alarm(kFalseAlarm, kChecks), kFilms - 1.0);
-    std::printf("%-24s %+.3f %%, standard error %.3f %%\n", what.c_str(), 100 * (mean.mean() / expected - 1),
-                100 * mean.standard_error() / expected);
-    EXPECT_LE(std::abs(mean.mean() - expected), t * mean.standard_error()) << what;
-    EXPECT_LE(t * mean.standard_error(), 0.02 * expected) << what << ": too noisy to notice a defect";
+    const test::Interval mean =
+        test::interval_when_narrow(kMustNotice * expected, kMostFilms, kFalseAlarm, kChecks, [&](uint64_t seed) {
+            test::RenderSettingsOf<M> settings = asked;
+            settings.seed = seed;
+            return test::mean_of(test::render(scene, settings).resolve(Layer::Indirect));
+        });
+    std::printf("%-24s %+.3f %%, within %.3f %%\n", what.c_str(), 100 * (mean.mean / expected - 1),
+                100 * mean.half_width / expected);
+    EXPECT_LE(std::abs(mean.mean - expected), mean.half_width) << what;
+    EXPECT_LE(mean.half_width, kMustNotice * expected) << what << ": too noisy to notice a defect";
 }
 
 TEST(ProgressiveRates, EvenLightIsExact) {

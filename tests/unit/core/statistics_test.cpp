@@ -19,6 +19,13 @@ TEST(Statistics, QuantilesMatchTables) {
     EXPECT_NEAR(share_of_false_alarm(0.05, 1), 0.05, 1e-15);
 }
 
+TEST(Statistics, DegreesOfADifferenceAreWelchs) {
+    RunningMean a, b, exact;
+    for (int i = 0; i < 8; ++i) a.add(i), b.add(7 - i), exact.add(1 + 1e-9 * i);
+    EXPECT_NEAR(degrees_of_difference(a, b), 14, 1e-12) << "those of both where they are alike";
+    EXPECT_NEAR(degrees_of_difference(a, exact), 7, 1e-6) << "of the one alone that is uncertain";
+}
+
 TEST(Statistics, IntervalsHoldTheTrueMeanAsOftenAsTheySay) {
     // Four sums of twelve uniform numbers: nearly normal, few enough that Student's t differs from z (3.18
     // against 1.96, which would be wrong in 14 %). 4000 trials at 5 %: standard deviation 0.34 %.
