@@ -9,7 +9,7 @@ import { useQuery } from "../app/url_state";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
 import { curlOf, groupsOf, isFound, type OpenApi, type Operation, typeText } from "./openapi_document";
-import { SchemaView } from "./schema_view";
+import { SchemaView, Unfolded } from "./schema_view";
 
 const kDocument = "/v1/openapi.json";
 const anchorOf = ({ operationId }: Operation): string => `op-${operationId}`;
@@ -55,12 +55,17 @@ function Details({ document, operation }: { document: OpenApi; operation: Operat
       <section>
         <h3>Answers</h3>
         {Object.entries(operation.responses).map(([status, { description, content }]) => (
-          <details key={status} class="api-answer">
-            <summary>
-              <code>{status === "default" ? "4xx, 5xx" : status}</code> {description} <span class="muted small">{Object.keys(content ?? {}).join(", ")}</span>
-            </summary>
-            {Object.entries(content ?? {}).map(([media, { schema }]) => schema && media.includes("json") && <SchemaView key={media} document={document} schema={schema} />)}
-          </details>
+          <Unfolded
+            key={status}
+            class="api-answer"
+            summary={
+              <summary>
+                <code>{status === "default" ? "4xx, 5xx" : status}</code> {description} <span class="muted small">{Object.keys(content ?? {}).join(", ")}</span>
+              </summary>
+            }
+          >
+            {() => Object.entries(content ?? {}).map(([media, { schema }]) => schema && media.includes("json") && <SchemaView key={media} document={document} schema={schema} />)}
+          </Unfolded>
         ))}
       </section>
       <section>

@@ -1,5 +1,8 @@
 // A schema as a table of its members; those of objects within open below them.
 
+import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
+
 import { nameOfRef, type OpenApi, resolved, type Schema, typeText, withoutNull } from "./openapi_document";
 
 /** Objects within objects are shown so deep; deeper ones by their name alone. */
@@ -18,6 +21,20 @@ function shapesIn(document: OpenApi, schema: Schema): { name: string | null; sha
   return [];
 }
 
+/**
+ * What is there from the first time that it is opened: all that a job may be is ten thousand elements, of which one looks
+ * at few.
+ */
+export function Unfolded({ summary, class: className, children }: { summary: ComponentChildren; class?: string; children: () => ComponentChildren }) {
+  const [seen, setSeen] = useState(false);
+  return (
+    <details class={className} onToggle={(event) => event.currentTarget.open && setSeen(true)}>
+      {summary}
+      {seen && children()}
+    </details>
+  );
+}
+
 function Member({ document, name, schema, required, depth }: { document: OpenApi; name: string; schema: Schema; required: boolean; depth: number }) {
   const inner = depth < kDeepest ? shapesIn(document, schema) : [];
   const { schema: own } = withoutNull(schema);
@@ -28,10 +45,9 @@ function Member({ document, name, schema, required, depth }: { document: OpenApi
       {own.default !== undefined && <span class="muted small">, default {JSON.stringify(own.default)}</span>}
       {text && <div class="small">{text}</div>}
       {inner.length > 0 && (
-        <details>
-          <summary class="small">{inner.map(({ name }) => name ?? "its members").join(", ")}</summary>
-          <SchemaView document={document} schema={schema} depth={depth + 1} />
-        </details>
+        <Unfolded summary={<summary class="small">{inner.map(({ name }) => name ?? "its members").join(", ")}</summary>}>
+          {() => <SchemaView document={document} schema={schema} depth={depth + 1} />}
+        </Unfolded>
       )}
     </li>
   );
