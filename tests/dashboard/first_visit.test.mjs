@@ -16,10 +16,12 @@ test("a newcomer compares two methods on the Cornell box and is told which is be
   await until(async () => assert.equal(await page.locator('input[name="scene"]:checked').inputValue(), "cornell-box"));
   await page.locator(".new-study-total").waitFor();
   await shoot(page, "first-visit-form");
-  // All is filled in for one press. The test has less time than a person: it asks for smaller pictures, and sooner.
+  // All is filled in for one press. The test has less time than a person: it asks for smaller pictures, sooner, and for a
+  // reference of fewer passes.
   await page.getByLabel("Width").fill("64");
   await page.getByLabel("Height").fill("64");
-  await page.getByRole("spinbutton", { name: /^Time/ }).fill("1");
+  await page.getByRole("spinbutton", { name: /^Time/ }).fill("0.3");
+  await page.getByRole("region", { name: "Reference" }).getByLabel("Passes").fill("128");
   await page.getByRole("button", { name: "Compare", exact: true }).click();
 
   // No reload, no other page: what comes of it comes here.
