@@ -1,6 +1,7 @@
 #pragma once
 // Scenes that leave a method nothing to work with: no light, nothing that reflects, mirrors alone, nothing at all.
 
+#include <string_view>
 #include <vector>
 
 #include "renderer/scene/mesh_builder.h"
@@ -59,6 +60,20 @@ inline std::vector<HardScene> hard_scenes() {
     scenes.push_back({"lamp", corner(lambert(1)), false});
     scenes.back().scene.punctual_lights = {lamp()};
     for (HardScene& hard : scenes) finish_scene(hard.scene);
+    return scenes;
+}
+
+/// What GPU tests try of them: no light, nothing at all, and a sky above mirrors and above walls. The walls are
+/// rendered by the shaders that mirrors need, which are compiled once then.
+inline std::vector<HardScene> hard_scenes_of_devices() {
+    std::vector<HardScene> scenes;
+    for (HardScene& hard : hard_scenes())
+        for (const std::string_view name : {"no light", "mirrors under the sky", "nothing at all"})
+            if (hard.name == name) scenes.push_back(std::move(hard));
+    scenes.push_back({"walls under the sky", corner(lambert(0.5f)), false});
+    add_sky(scenes.back().scene);
+    finish_scene(scenes.back().scene);
+    scenes.back().scene.needs.delta = true;
     return scenes;
 }
 

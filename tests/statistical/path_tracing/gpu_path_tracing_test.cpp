@@ -16,7 +16,7 @@ namespace {
 template <class M>
 test::RenderSettingsOf<M> settings_for(uint64_t seed) {
     test::RenderSettingsOf<M> settings;
-    settings.size = {32, 32};
+    settings.size = {24, 24};
     settings.passes = 128;
     settings.seed = seed;
     settings.layers = test::path_tracing_layers();

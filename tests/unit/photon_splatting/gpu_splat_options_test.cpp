@@ -79,7 +79,7 @@ class GpuStratifiedSplats : public testing::TestWithParam<Stratified> {};
 // chances. What the passes of the two differ by is noise of mean 0.
 TEST_P(GpuStratifiedSplats, AgreeWithTheCpusInTheMean) {
     constexpr double kFalseAlarm = 1e-6, kMustDetect = 0.15;
-    constexpr uint32_t kPasses = 96;
+    constexpr uint32_t kPasses = 40;
     const Both both = render_both(kPasses, GetParam().change);
     const Counts &a = both.cpu.counts, &b = both.gpu.counts;
     EXPECT_LT(a.splats, a.photons_stored * GetParam().rays * 9 / 10) << "stratified";
