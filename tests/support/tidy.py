@@ -1,11 +1,13 @@
 """Runs clang-tidy over our own sources, and remembers what passed.
 
-    tests/support/tidy.py BUILD SOURCE...
+    tests/support/tidy.py BUILD PASSED SOURCE...
 
-A source is done when clang-tidy has nothing to say of it; it is not looked at again while the preprocessed text (comments
-do not count, but for those that silence a check), the checks and clang-tidy itself are the same: BUILD/tidy/ has a file
-for each such state. A run that is interrupted goes on where it was, and a change costs the sources that it reaches. Each
-source's verdict is a line of BUILD/verdicts.tsv with the commit (verdicts.py); it took no time where it was remembered.
+A source is done when clang-tidy has nothing to say of it. It is not looked at again while the preprocessed text, the
+comments that silence a check in the files of this text, the checks and clang-tidy itself are the same. PASSED is a file of
+the repository: it has a line for each source that passed, with a digest of all these and the commit at which it passed.
+So a run that is interrupted goes on where it was, in another session or on another machine too, and a change costs the
+sources that it reaches. Each source's verdict is also a line of BUILD/verdicts.tsv (verdicts.py); it took no time where it
+was remembered.
 """
 
 import concurrent.futures
@@ -13,10 +15,12 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
 import tempfile
+import threading
 
 from verdicts import FAILED, PASSED, STOPPED, Children, Ledger, heed_signals, state_of_tree
 
@@ -26,15 +30,30 @@ WITH_VALUE = {"-o", "-MF", "-MT", "-MQ"}  # options of the compile commands that
 ALONE = {"-c", "-MD", "-MMD"}
 
 
-def silencing_comments():
-    """Those of all our sources and headers, whichever file they are in."""
-    found = subprocess.run(["grep", "-rho", "--include=*.h", "--include=*.cpp", "--exclude-dir=node_modules", "NOLINT.*",
-                            "protocol", "renderer", "server", "clients"], cwd=ROOT, capture_output=True, check=False)
-    return b"\n".join(sorted(found.stdout.splitlines()))
+class Passed:
+    """The file of what passed: by source its digest and the commit."""
+
+    def __init__(self, path):
+        self.path = path
+        lines = path.read_text().splitlines() if path.exists() else []
+        self._rows = {source: (digest, commit) for source, digest, commit in (line.split("\t") for line in lines)}
+        self._lock = threading.Lock()
+
+    def has(self, source, digest):
+        return self._rows.get(source, ("",))[0] == digest
+
+    def add(self, source, digest, commit):
+        with self._lock:
+            self._rows[source] = (digest, commit)
+            lines = (f"{name}\t{digest}\t{commit}\n" for name, (digest, commit) in sorted(self._rows.items())
+                     if (ROOT / name).exists())
+            new = self.path.with_name(self.path.name + ".new")
+            new.write_text("".join(lines))
+            new.replace(self.path)
 
 
-def preprocessed(entry):
-    """The text that the compiler sees."""
+def seen_by_compiler(entry):
+    """The preprocessed text without blank lines and without the repository's place, and the comments in its files that silence a check."""
     words = shlex.split(entry["command"])
     while words and (pathlib.Path(words[0]).name in ("cmake", "ccache", "compile_cached") or words[0] in ("-E", "env") or
                      "=" in words[0]):
@@ -45,36 +64,44 @@ def preprocessed(entry):
             skip = word in WITH_VALUE and not skip
             continue
         command.append(word)
-    return subprocess.run([*command, "-E", "-P"], cwd=entry["directory"], check=True, capture_output=True).stdout
+    text = subprocess.run([*command, "-E"], cwd=entry["directory"], check=True, capture_output=True).stdout
+    lines, files = [], {pathlib.Path(entry["file"])}
+    for line in text.splitlines():
+        marker = re.match(rb'# \d+ "([^<"]+)"', line)
+        if marker:
+            files.add(pathlib.Path(entry["directory"], os.fsdecode(marker[1])).resolve())
+        elif line.strip():
+            lines.append(line.strip())
+    own = sorted(file for file in files if file.is_relative_to(ROOT) and file.is_file())
+    comments = [comment for file in own for comment in re.findall(rb"NOLINT.*", file.read_bytes())]
+    return b"\n".join([*lines, *comments]).replace(os.fsencode(ROOT), b"")
 
 
 def main():
-    build, sources = pathlib.Path(sys.argv[1]), [pathlib.Path(path).resolve() for path in sys.argv[2:]]
+    build, passed = pathlib.Path(sys.argv[1]), Passed(pathlib.Path(sys.argv[2]))
+    sources = [pathlib.Path(path).resolve() for path in sys.argv[3:]]
     entries = {pathlib.Path(entry["file"]).resolve(): entry
                for entry in json.loads((build / "compile_commands.json").read_text())}
-    passed = build / "tidy"
-    passed.mkdir(exist_ok=True)
     tool = subprocess.run(["clang-tidy", "--version"], check=True, capture_output=True).stdout
-    checks = (ROOT / ".clang-tidy").read_bytes() + silencing_comments()
+    checks = (ROOT / ".clang-tidy").read_bytes()
 
     heed_signals()
     ledger, children = Ledger(build, state_of_tree()), Children()
 
-    def note(source, verdict, seconds=0.0, processor_seconds=0.0):
-        name = source.relative_to(ROOT).as_posix()
+    def note(name, verdict, seconds=0.0, processor_seconds=0.0):
         if seconds > 0 or verdict != PASSED or not ledger.has_passed(name):
             ledger.add(name, verdict, seconds, processor_seconds)
 
     def check(source):
         """Prints what clang-tidy says of it. True where that is nothing."""
+        name = source.relative_to(ROOT).as_posix()
         if source not in entries:
             print(f"{source}: no compile command: it belongs to no target", flush=True)
-            note(source, FAILED)
+            note(name, FAILED)
             return False
-        state = passed / hashlib.sha256(tool + checks + preprocessed(entries[source])).hexdigest()
-        if state.exists():
-            state.touch()
-            note(source, PASSED)
+        digest = hashlib.sha256(tool + checks + seen_by_compiler(entries[source])).hexdigest()[:16]
+        if passed.has(name, digest):
+            note(name, PASSED)
             return True
         with tempfile.TemporaryFile("w+") as said:
             status, seconds, used = children.run(
@@ -85,8 +112,8 @@ def main():
             if status:
                 print(said.read(), end="", flush=True)
             else:
-                state.write_text(f"{source}\n")
-            note(source, FAILED if status else PASSED, seconds, used)
+                passed.add(name, digest, ledger.state)
+            note(name, FAILED if status else PASSED, seconds, used)
         return status == 0
 
     failed = 0

@@ -200,7 +200,7 @@ class Tidy(Case):
         (self.folder / "compile_commands.json").write_text(json.dumps(commands))
 
     def start(self):
-        return subprocess.Popen([sys.executable, SUPPORT / "tidy.py", self.folder, *(ROOT / source for source in self.SOURCES)],
+        return subprocess.Popen([sys.executable, SUPPORT / "tidy.py", self.folder, self.folder / "passed.tsv", *(ROOT / source for source in self.SOURCES)],
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                 env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})
 
@@ -227,6 +227,8 @@ class Tidy(Case):
         said, _ = process.communicate()
         self.assertEqual(process.returncode, 0, said)
         self.assertEqual(self.runs(), [1, 2, 2])
+        rows = [line.split("\t") for line in (self.folder / "passed.tsv").read_text().splitlines()]
+        self.assertEqual([(name, commit) for name, _, commit in rows], [(name, state_of_tree()) for name in sorted(self.SOURCES)])
         self.assertEqual(sorted(self.verdicts()[2:]), [("protocol/camera_path.cpp", "passed"), ("protocol/job.cpp", "passed")])
 
 
