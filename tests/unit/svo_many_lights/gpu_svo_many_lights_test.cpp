@@ -142,16 +142,21 @@ struct Begun {
     SvoManyLightsGpu method;
 };
 
+// Of each, what the cases above compile: the voxels' visibility, caustics whose radii shrink from pass to pass, and
+// chains.
 TEST(GpuSvoManyLightsPass, IsAPureFunctionOfItsIndexAndNoneWhenCancelled) {
-    const Scene scene = make_builtin_scene("cornell-box-glass");
-    const test::SceneOnDevice where(scene);
-    auto settings = settings_for<SvoManyLightsGpu>(1, VplVisibility::Svo);
-    settings.params.interleave = 2;
-    settings.params.roulette = 0.5f;
-    settings.params.caustic_photons = 2000;  // whose radii shrink from pass to pass
-    for (const VplPlacement placement : {VplPlacement::Flux, VplPlacement::Metropolis}) {
-        SCOPED_TRACE(int(placement));
-        settings.params.placement = placement;
+    for (const Case& of :
+         {Case{"cornell-box", VplVisibility::Svo},
+          Case{"cornell-box-glass", VplVisibility::None, [](SvoManyLightsParams& p) { p.caustic_photons = 2000; }},
+          Case{"cornell-box-glossy", VplVisibility::Rays,
+               [](SvoManyLightsParams& p) { p.placement = VplPlacement::Metropolis; }}}) {
+        SCOPED_TRACE(of.scene);
+        const Scene scene = make_builtin_scene(of.scene);
+        const test::SceneOnDevice where(scene);
+        auto settings = settings_for<SvoManyLightsGpu>(1, of.visibility);
+        settings.params.interleave = 2;
+        settings.params.roulette = 0.5f;
+        of.change(settings.params);
         Begun run(where, settings);
         const auto film_of = [&](std::initializer_list<uint32_t> passes) {
             Film film(settings.size, settings.layers);
