@@ -90,7 +90,7 @@ class FullDiskTest(DiskCase):
         self.addCleanup(subprocess.run, ["umount", self.folder], check=True)
         self.data = pathlib.Path(self.folder) / "data"
         self.filler = pathlib.Path(self.folder) / "filler"
-        self.daemon = Daemon("--disk-reserve", 0, "--threads", 1, data_dir=self.data, start=False)
+        self.daemon = Daemon("--disk-reserve", 0, "--threads", 1, "--save-seconds", 0, data_dir=self.data, start=False)
         self.daemon.log_path = pathlib.Path(self.folder + ".log")  # not on the disk that will be full
         self.addCleanup(self.daemon.log_path.unlink)
         self.addCleanup(self.daemon.close)
