@@ -73,10 +73,11 @@ TEST(GpuRadianceCache, IsAsBrightAsOnTheCpu) {
             return of_method;
         };
         Stats stats;
-        const uint32_t seeds = second == SecondBounces::Cache ? 28 : 12;
+        // An image of the host takes a fifteenth of the time of the device's.
+        const uint32_t seeds = second == SecondBounces::Cache ? 12 : 8;
         const test::RunningMean device =
             indirect_of_seeds(where, settings(settings_of<RadianceCacheGpu>(1)), seeds, &stats);
-        expect_same(device, indirect_on_host(scene, settings(settings_of<RadianceCache>(1)), seeds), 0.05, name);
+        expect_same(device, indirect_on_host(scene, settings(settings_of<RadianceCache>(1)), 6 * seeds), 0.05, name);
         EXPECT_GT(stats.counts.cache_hits, stats.counts.cache_misses / 4) << name;
         EXPECT_EQ(stats.counts.cache_refused, 0u);
     }
@@ -114,7 +115,8 @@ TEST(GpuRadianceCache, DoesAsManyBouncesAsItIsTold) {
         settings.params.cell_size = 0.01f;  // whose bias is far below the doubt
         settings.params.training = 4;
         settings.params.cells = 1 << 17;
-        expect_same(indirect_of_seeds(where, settings, 11), indirect_by_paths(scene, 1000, bounces), 0.05,
+        const uint32_t seeds = bounces == 1 ? 10 : 9;
+        expect_same(indirect_of_seeds(where, settings, seeds), indirect_by_paths(scene, 1500, bounces), 0.05,
                     bounces == 1 ? "one bounce" : "two bounces");
     }
     Settings settings = settings_of<RadianceCacheGpu>(1);
@@ -130,7 +132,7 @@ TEST(GpuRadianceCache, AFullTableRefusesAndStaysRight) {
     settings.params.cells = 64;
     settings.params.cell_size = 0.02f;
     Stats stats;
-    expect_same(indirect_of_seeds(where, settings, 50, &stats), indirect_by_paths(scene, 400), 0.05, "64 cells");
+    expect_same(indirect_of_seeds(where, settings, 28, &stats), indirect_by_paths(scene, 400), 0.05, "64 cells");
     EXPECT_GT(stats.counts.cache_refused, 0u);
 }
 
@@ -149,9 +151,9 @@ TEST(GpuRadianceCache, FirstRoundsMayBeBlack) {
     };
     Stats stats;
     const test::RunningMean device =
-        indirect_of_seeds(test::SceneOnDevice(scene), settings(settings_of<RadianceCacheGpu>(1)), 250, &stats);
+        indirect_of_seeds(test::SceneOnDevice(scene), settings(settings_of<RadianceCacheGpu>(1)), 120, &stats);
     EXPECT_GT(stats.counts.cache_hits, stats.counts.cache_misses / 2);
-    expect_same(device, indirect_on_host(scene, settings(settings_of<RadianceCache>(1)), 250), 0.06, "black rounds");
+    expect_same(device, indirect_on_host(scene, settings(settings_of<RadianceCache>(1)), 600), 0.06, "black rounds");
 }
 
 TEST(GpuRadianceCache, SameBitsTwiceWhereverAPassIsRendered) {
