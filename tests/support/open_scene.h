@@ -11,7 +11,8 @@
 namespace photond::test {
 
 /// A floor and a wall apart from it, seen by the camera, before a light: "point", "spot", "directional", "area" (two
-/// triangles), "two-sided" (of which half the light is lost), or "environment".
+/// triangles), "two-sided" (of which half the light is lost), or "environment". Or before "none", with the pipelines of
+/// "point".
 inline Scene floor_and_wall(const std::string& light) {
     Scene scene;
     MeshBuilder floor, wall;
@@ -44,6 +45,7 @@ inline Scene floor_and_wall(const std::string& light) {
         scene.environment = environment;
     }
     finish_scene(scene);
+    if (light == "none") scene.needs.punctual_lights = true;
     return scene;
 }
 

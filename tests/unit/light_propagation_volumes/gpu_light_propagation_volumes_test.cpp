@@ -245,7 +245,7 @@ TEST(GpuLightPropagation, TakesTheDeviceMemoryItSays) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
     Settings settings = small_settings(1);
-    settings.params.resolution = 64;
+    settings.params.resolution = 32;
     settings.params.cascades = 3;
     settings.size = {160, 120};
     test::expect_device_bytes_as_estimated(where, settings);

@@ -111,7 +111,7 @@ TEST(ConeTree, LargerCellsHaveTheMeanOfTheirParts) {
 TEST(GpuVoxelConeTracing, OneCellByChanceHasTheMeanOfAll) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
-    Settings settings = small_settings(40);
+    Settings settings = small_settings(26);
     settings.params.bounces = 1;
     const auto means = [&](ConeCells cells) {
         settings.params.cells = cells;
