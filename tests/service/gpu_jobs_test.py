@@ -76,14 +76,14 @@ class JobTest(GpuCase):
 
     def test_every_method_of_the_gpu_renders(self):
         """With its defaults, but few photons and lights; those that ask the host for rays (pilots, projection maps) among
-        them. What is dear is that the driver compiles what the defaults choose: three times as much where there is glass,
-        which only methods with photons are given, for the maps of their caustics.
+        them. What is dear is that the driver compiles what the defaults choose: three times as much where there is glass.
+        Two methods are given glass, the one for its map of caustic photons, the other for those beside its lights.
         """
         for method in self.daemon.request("GET", "/v1/methods").json["items"]:
             if "gpu" not in method["devices"]:
                 continue
-            has_photons = any("photons" in name for name in method["parameters"]["properties"])
-            job = gpu_job(scene="cornell-box-glass" if has_photons else "cornell-box", size=16, passes=1)
+            of_glass = method["name"] in ("photon_mapping", "svo_many_lights")
+            job = gpu_job(scene="cornell-box-glass" if of_glass else "cornell-box", size=16, passes=1)
             few = {"photons": 2000, "vpls": 64}
             job["method"].update(name=method["name"], parameters={
                 name: number for name, number in few.items() if name in method["parameters"]["properties"]})
