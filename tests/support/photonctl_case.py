@@ -97,6 +97,7 @@ class Case(unittest.TestCase):
         return result
 
     def completed(self, line):
+        cli.daemon.request("GET", "/v1/scenes")  # the first list may take longer than who completes a word waits
         result = cli.bash_completion(line)
         self.assertEqual(result.stderr, "")
         return result.stdout.split()
