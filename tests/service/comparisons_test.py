@@ -14,7 +14,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import OVER, Daemon, small_job  # noqa: E402
+from photond_daemon import OVER, UNDER_SANITIZER, Daemon, small_job  # noqa: E402
 
 PHOTONS = {"name": "photon_mapping", "parameters": {"gather_rays": 1}}
 LACKING = "No image of "  # begins what the page says of a picture that is not there
@@ -131,7 +131,8 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
                 error = row["error"][metric]
                 self.assertTrue(error["low"] <= error["value"] <= error["high"], error)
                 self.assertGreater(error["reference"], 0)
-                self.assertTrue(row["time_to_error"][metric])
+                if metric == "relative_mse" or not UNDER_SANITIZER:  # FLIP is measured as often as it takes little time
+                    self.assertTrue(row["time_to_error"][metric])
             self.assertGreater(row["peak_bytes"], 0)
             self.assertGreater(row["efficiency"], 0)
         self.assertEqual(found["table"][1]["photons"], {"min": 8 * 500, "max": 8 * 500})
