@@ -78,6 +78,7 @@ class MemoryLimitTest(unittest.TestCase):
                 restarts = [worker["restarts"] for worker in daemon.request("GET", "/v1/status").json["workers"]]
                 self.assertEqual(restarts, [0, 0])
 
+    @unittest.skipIf(UNDER_SANITIZER, RESIDENT)
     def test_a_scene_that_does_not_fit_by_itself(self):
         with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
             folder = around + "/data"  # the log is written beside it
