@@ -9,6 +9,7 @@
 
 #include "protocol/error.h"
 #include "renderer/core/checked_file.h"
+#include "renderer/core/copy_elements.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/sha256.h"
 
@@ -202,7 +203,7 @@ PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
     const std::string bytes = read_text(reader, path, kMaxRanges * sizeof(PassRanges::Range));
     if (bytes.size() % sizeof(PassRanges::Range) != 0) damaged(path, "its ranges are not whole");
     std::vector<PassRanges::Range> ranges(bytes.size() / sizeof(PassRanges::Range));
-    if (!ranges.empty()) std::memcpy(ranges.data(), bytes.data(), ranges.size() * sizeof(PassRanges::Range));
+    copy_elements(bytes.data(), std::span(ranges));
     try {
         return PassRanges(std::move(ranges));
     } catch (const Error& error) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
 
+#include "renderer/core/copy_elements.h"
 #include "renderer/gbuffer/edge_avoiding_filter.h"
 
 namespace photond {
@@ -17,7 +17,7 @@ std::vector<Value> pixels_of(const Film& film, Layer layer) {
     const std::vector<float> numbers = film.resolve(layer);
     std::vector<Value> pixels(film.size().pixels());
     assert(numbers.size() * sizeof(float) == pixels.size() * sizeof(Value) && "a layer of as many channels");
-    std::memcpy(pixels.data(), numbers.data(), numbers.size() * sizeof(float));
+    copy_elements(numbers.data(), std::span(pixels));
     return pixels;
 }
 

@@ -1,5 +1,7 @@
 #include "renderer/gbuffer/history.h"
 
+#include "renderer/core/copy_elements.h"
+
 #include <cstring>
 
 #include "protocol/error.h"
@@ -75,7 +77,7 @@ History History::decode(std::string_view text, Size2 image_size) {
                       .forward = head.forward};
     const char* at = text.data() + sizeof head;
     each_array(history, [&](auto& values) {
-        std::memcpy(values.data(), at, values.size() * sizeof(values[0]));
+        copy_elements(at, std::span(values));
         at += values.size() * sizeof(values[0]);
     });
     return history;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "renderer/core/copy_elements.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/sha256.h"
 #include "renderer/gbuffer/light_change.h"
@@ -115,7 +116,7 @@ void TemporalReprojection::begin(const RenderContext& context, Stats& stats) {
     if (state_before_.size() != followed_.size() + sizeof frame_->passes + bytes)
         throw Error(ErrorCode::Conflict, "the film to go on with is of another size");
     std::memcpy(&frame_->passes, at, sizeof frame_->passes);
-    std::memcpy(frame_->pixels.data(), at + sizeof frame_->passes, bytes);
+    copy_elements(at + sizeof frame_->passes, std::span(frame_->pixels));
     state_before_.clear();
 }
 

@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "protocol/error.h"
+#include "renderer/core/copy_elements.h"
 #include "renderer/core/parallel.h"
 #include "renderer/scene/scene.h"
 
@@ -205,7 +206,7 @@ LeftVplPaths LeftVplPaths::decode(std::string_view text, uint32_t slots) {
         throw Error(ErrorCode::Conflict, "the frame before left no virtual point lights of so many paths");
     LeftVplPaths left{.slots = slots, .lights = head.lights, .seed = head.seed, .paths = {}};
     left.paths.resize(head.paths);
-    std::memcpy(left.paths.data(), text.data() + sizeof head, head.paths * sizeof(LeftVplPath));
+    copy_elements(text.data() + sizeof head, std::span(left.paths));
     std::vector<bool> taken(slots);
     for (const LeftVplPath& path : left.paths) {
         if (path.slot >= slots || taken[path.slot])

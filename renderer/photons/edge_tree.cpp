@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
+#include "renderer/core/copy_elements.h"
 #include "renderer/core/parallel.h"
 
 namespace photond {
@@ -104,8 +104,9 @@ std::vector<uint32_t> EdgeTree::device_words() const {
                   sizeof(SurfaceEdge) == EDGE_WORDS * sizeof(uint32_t));
     std::vector<uint32_t> words(EDGE_NODE_WORDS * nodes_.size() + EDGE_WORDS * edges_.size());
     if (leaves_ == 0) return words;
-    std::memcpy(words.data(), nodes_.data(), nodes_.size() * sizeof(Node));
-    std::memcpy(words.data() + EDGE_NODE_WORDS * nodes_.size(), edges_.data(), edges_.size() * sizeof(SurfaceEdge));
+    const size_t of_nodes = EDGE_NODE_WORDS * nodes_.size();
+    copy_elements(nodes_.data(), std::span(words).first(of_nodes));
+    copy_elements(edges_.data(), std::span(words).subspan(of_nodes));
     return words;
 }
 

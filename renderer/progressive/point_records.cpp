@@ -1,5 +1,7 @@
 #include "renderer/progressive/point_records.h"
 
+#include "renderer/core/copy_elements.h"
+
 #include <cstring>
 
 #include "protocol/error.h"
@@ -49,7 +51,7 @@ void restore_points(const std::string& state, const SavedPoints& kind, const Per
         throw Error(ErrorCode::Conflict, "the radii kept with the film are not of this job");
     size_t at = sizeof saved;
     for (const std::span<std::byte> of_map : points) {
-        if (!of_map.empty()) std::memcpy(of_map.data(), state.data() + at, of_map.size());
+        copy_elements(state.data() + at, of_map);
         at += of_map.size();
     }
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "protocol/error.h"
+#include "renderer/core/copy_elements.h"
 #include "renderer/core/rng.h"
 #include "renderer/methods/radiance_cache/radiance_cells.h"
 
@@ -55,7 +56,7 @@ LeftCells LeftCells::decode(std::string_view text, uint32_t buckets) {
         throw Error(ErrorCode::Conflict, "the frame before left no cells of such a cache");
     LeftCells left{.buckets = buckets, .origin = head.origin, .coarsest_m = head.coarsest_m, .cells = {}};
     left.cells.resize(head.cells);
-    std::memcpy(left.cells.data(), text.data() + sizeof head, head.cells * sizeof(LeftCell));
+    copy_elements(text.data() + sizeof head, std::span(left.cells));
     for (size_t i = 0; i < left.cells.size(); ++i) {
         const LeftCell& cell = left.cells[i];
         constexpr uint32_t kSlots = RadianceCells::kSlots;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "renderer/core/copy_elements.h"
 #include "renderer/eye/eye_constants.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_gpu.h"
 #include "renderer/scene/past_pose.h"
@@ -75,8 +76,8 @@ LeftLists LeftLists::decode(std::string_view text, const KeptLayout& layout) {
         throw Error(ErrorCode::Conflict, "the frame before left lists of another image");
     LeftLists left(layout, head.camera);
     left.turn = head.turn;
-    std::memcpy(left.points.data(), text.data() + sizeof head, bytes_of(left.points));
-    std::memcpy(left.places.data(), text.data() + sizeof head + bytes_of(left.points), bytes_of(left.places));
+    copy_elements(text.data() + sizeof head, std::span(left.points));
+    copy_elements(text.data() + sizeof head + bytes_of(left.points), std::span(left.places));
     for (const gpu::KeptPoint& point : left.points)
         if (point.lists > layout.most_lists)
             throw Error(ErrorCode::Conflict, "the frame before left lists that cannot be");
