@@ -73,7 +73,7 @@ std::unique_ptr<MethodParams> params_of(const MethodInfo& info, bool narrow_lobe
     if (auto* p = dynamic_cast<ProgressiveParams*>(params.get()))
         p->indirect_bounces = kBounces, p->photons = 2500, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<PhotonSplattingParams*>(params.get()))
-        p->bounces = kBounces, p->photons = 3000, p->sampler = SamplerKind::Random;
+        p->bounces = kBounces, p->photons = 4000, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<SvoManyLightsParams*>(params.get()))
         p->bounces = kBounces, p->vpls = 64, p->caustic_photons = 2000, p->narrow_lobes = narrow_lobes,
         p->sampler = SamplerKind::Random;
