@@ -130,7 +130,7 @@ double variance_of_blocks(const Film& a, const Film& b) {
 
 TEST(AgedCells, LessNoiseInAStillScene) {
     Still still(make_builtin_scene("cornell-box"));
-    constexpr uint32_t kFrames = 8, kPairs = 56;
+    constexpr uint32_t kFrames = 8, kPairs = 96;
     const auto last_frame = [&](uint64_t seed, uint32_t frames) {
         Settings settings = test::aged_settings<RadianceCache>(1);
         settings.params.cell_size = 0.3f;  // so that cells of one frame know enough to be asked
