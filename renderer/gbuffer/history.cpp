@@ -1,10 +1,9 @@
 #include "renderer/gbuffer/history.h"
 
-#include "renderer/core/copy_elements.h"
-
 #include <cstring>
 
 #include "protocol/error.h"
+#include "renderer/core/copy_elements.h"
 
 namespace photond {
 

@@ -142,8 +142,8 @@ struct Begun {
     SvoManyLightsGpu method;
 };
 
-// Of each, what the cases above compile: the voxels' visibility, caustics whose radii shrink from pass to pass, and
-// chains.
+// Three choices whose pipelines the cases above compile: visibility by voxels, caustic photons (whose radii shrink from
+// pass to pass), and lights placed by Markov chains.
 TEST(GpuSvoManyLightsPass, IsAPureFunctionOfItsIndexAndNoneWhenCancelled) {
     for (const Case& of :
          {Case{"cornell-box", VplVisibility::Svo},
